@@ -156,6 +156,18 @@ class TestArcSprings:
         if told:
             assert arcs.stiffness.value == pytest.approx(700, rel=0.02)
 
+    @pytest.mark.parametrize("swings", [(0.5, 2.0), (2.0, 10.0)])
+    @pytest.mark.parametrize(("rpm", "mass"), [(750, 0.9), (3000, 0.5), (3000, 1.3)])
+    def test_intervals_at_one_speed_have_what_it_does_not_tell(self, rpm, mass, swings):
+        """Pressures beside the usual one; k mu psi goes with it, and no note says a false reason."""
+        springs = ArcSprings(700.0, 2.6, 0.12, mass, 0.11, rpm * math.pi / 30)
+        arcs = arc_loops([exact_loop(springs, math.radians(swing)) for swing in swings])
+        assert arcs.product.interval[0] < 700 * 0.12 * 2.6 < arcs.product.interval[1]
+        assert arcs.pressing.half_width is None
+        if arcs.stiffness.half_width is not None:
+            assert arcs.stiffness.interval[0] < 700 < arcs.stiffness.interval[1]
+        assert not any("moves all coils" in str(note) for note in arcs.notes())
+
     def test_stages_with_friction_are_no_arc_springs(self):
         assert arc_loops([loop_of(recorded(0.1, shape="triangle")[0])]) is None
 

@@ -266,3 +266,46 @@ def test_a_model_without_any_spring_is_refused():
     with pytest.raises(UsageError) as caught:
         fitted(model, data, ["J"])
     assert caught.value.kind == "no-effect"
+
+
+FEW = steps(np.array([5.0, 6.0]), np.array([0.1 + 0j, 0.1]), np.array([1.0, 2.0]))
+
+
+@pytest.mark.parametrize(
+    ("data", "said", "kind"),
+    [
+        (FEW, {"output": "rate"}, "unfit-channel"),
+        (FEW, {"between": "held"}, "needless-entry"),
+        (FEW, {"excitation": "T"}, "needless-entry"),
+        (steps(FEW.frequencies, np.array([0.1 + 0j, np.nan]), np.array([1.0, 2.0])), {}, "not-finite"),
+        (steps(FEW.frequencies, np.zeros(2) + 0j, np.array([1.0, 2.0])), {}, "missing-data"),
+    ],
+)
+def test_what_steps_cannot_have_is_refused(data, said, kind):
+    plant = rig(k1=400, g1=0.1, k2=1700, c=1.0, M=2.0)
+    model = tn.Drivetrain(
+        "bench", plant.elements.values(), {"J": INERTIA, "k1": 400, "g1": 0.1, "k2": 1700, "c": 1.0, "M": 2.0},
+        inputs={"T": {"torque": "a"}}, sensors={"gamma": {"angle": "a"}, "rate": {"velocity": "a"}},
+    )  # fmt: skip
+    with pytest.raises(UsageError) as caught:
+        tn.identify(model, tn.Measurement(data, **{"output": "gamma", "input": "T", "error": 0.01, **said}), ["k1"])
+    assert caught.value.kind == kind
+
+
+def test_an_element_against_a_node_that_is_held():
+    """A rigid coupling to ground holds its other node; the answer is that of an element to ground."""
+    data = measured(of_stages(**STAGES), LEVELS, F, seed=1)
+    plain = rig(k1=460, g1=0.12, k2=1500, c=0.5, M=3.0)
+    parts = [
+        tn.Inertia("mass", node="a", inertia="J"),
+        tn.RigidCoupling("clamp", nodes=("b", "ground")),
+        tn.Spring("disc", nodes=("a", "b"), damping="c", **SPRING),
+        tn.Friction("ring", nodes=("a", "b"), torque="M"),
+    ]
+    clamped = tn.Drivetrain(
+        "bench", parts, {"J": INERTIA, "k1": 460, "g1": 0.12, "k2": 1500, "c": 0.5, "M": 3.0},
+        inputs={"T": {"torque": "a"}}, sensors={"gamma": {"angle": "a"}},
+    )  # fmt: skip
+    ours, theirs = (fitted(model, data, ["k1", "k2"]) for model in (clamped, plain))
+    for name in ("k1", "k2"):
+        assert ours.values[name] == pytest.approx(theirs.values[name], rel=1e-6)

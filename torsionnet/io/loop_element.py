@@ -73,11 +73,11 @@ def _arc_springs(arcs: ArcLoops, loop: TorqueLoop, parameter: Any, parameters: d
     told = "k mu psi is {:.{}g} N m/rad".format(arcs.product.value, DIGITS)
     if arcs.winding.half_width is None:
         parameters["k"]["description"] += f"; {told}, of which no loop tells k from mu psi"
-        mu = assumed("mu", f"{arcs.winding.value / ARC:.{DIGITS}g}", "no loop moves all coils")
+        mu = assumed("mu", f"{arcs.winding.value / ARC:.{DIGITS}g}", "loops do not tell it from k")
     else:
         mu = parameter("mu", _scaled(arcs.winding, 1 / ARC), "")
     mass = (
-        assumed("m", "0 kg", "no loop at a speed shows it")
+        assumed("m", f"{arcs.pressing.value * ARC / RADIUS**2:.{DIGITS}g} kg", "loops at two speeds would show it")
         if arcs.pressing.half_width is None
         else parameter("m", _scaled(arcs.pressing, ARC / RADIUS**2), "kg")
     )

@@ -119,6 +119,10 @@ class Measurement:
             raise UsageError("name the output and the input of a record or response", kind="missing-entry")
         if self.between:
             check_between(self.between)
+            if isinstance(self.data, SteppedStiffness):
+                raise UsageError(
+                    "steps of sines have no course between samples; leave between out", kind="needless-entry"
+                )
         for low, high in (*([self.band] if self.band else ()), *self.excluded):
             if not (np.isfinite(low) and low >= 0 and high > low):
                 raise UsageError(

@@ -95,8 +95,14 @@ def stepped_block(
     UsageError
         Names or a law of motion that the model lacks, or no step in the band.
     """
+    lost = ~np.isfinite(data.twists * data.torques)
+    if lost.any():
+        text = f"{measurement.label} has steps whose twist or torque is no number, at {data.frequencies[lost][0]:g} Hz"
+        raise UsageError(f"{text} first; leave them out", kind="not-finite")
     low, high = measurement.band or (0.0, np.inf)
+    # Where nothing moves, or nothing drives, there is no receptance.
     kept = (data.frequencies >= low) & (data.frequencies <= high) & (np.abs(data.torques) > 0)
+    kept &= np.abs(data.twists) > 0
     for start, stop in measurement.excluded:
         kept &= (data.frequencies < start) | (data.frequencies > stop)
     if not kept.any():

@@ -349,7 +349,6 @@ def stepped_curve(
     )
     spring = float(np.median(typical)) or 1.0
     drive, sensor = rig.sensors.get(output), rig.sensors.get(into)
-    free = tuple(node for node in row if node != GROUND)
     common = (frequencies, torques, means, measured, spring)
     if sensor is not None and sensor.quantity == "torque" and sensor.of in elements:
         if drive is None or (drive.quantity, drive.of) != ("twist", sensor.of):
@@ -364,14 +363,22 @@ def stepped_curve(
         beside = LinearBeside(plain.elements[name], 0.0 if place else spring)
         replaced[name] = plain.elements[name].unchecked(other_laws=beside, referred_to=None)
     linear_rig = rig.with_definition(replace(plain, elements={**plain.elements, **replaced}, tangents=None))
+    nodes = zip(linear_rig.assembly.kinematics.nodes, linear_rig.assembly.node_rows.maps, strict=True)
+    held_still = {GROUND, *(node for node, moves in nodes if not moves)}
+    free = tuple(node for node in row if node not in held_still)
+    if (measured_in := named_output(linear_rig, output).unit) != "rad":
+        text = f"steps have a twist or an angle in rad over a torque, and {output} is in {measured_in}"
+        raise UsageError(f"{text}; name a sensor of an angle or a twist", kind="unfit-channel")
+    if excitation and sensor is None:
+        text = f"{into} drives itself, so that the excitation {excitation} has no effect; leave it out"
+        raise UsageError(text, kind="needless-entry")
     outputs: list[str | Sensor] = [output, Sensor("twist", elements[0])]
     driving = into
     if sensor is not None:
         outputs, driving = [*outputs, into], _driving(rig, excitation)
     linear = parametric_response(linear_rig, outputs, [driving, *free], frequencies, varied.parameters)
     held = {node: row[node] for node in free}
-    unit = f"{named_output(linear_rig, output).unit}/(N*m)"
-    found = SteppedCurve(rig, varied, elements, linear, held, *common, unit)
+    found = SteppedCurve(rig, varied, elements, linear, held, *common, "rad/(N*m)")
     slow = [SLOW * float(frequencies.min())]
     still = replace(found, linear=parametric_response(linear_rig, outputs, [driving, *free], slow, varied.parameters))
     return replace(found, mean_twists=still.static_twists(means, mean_torques))

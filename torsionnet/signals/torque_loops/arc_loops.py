@@ -25,6 +25,10 @@ RADIUS = 0.11
 """Radius in m for which masses are stated."""
 USUAL_WINDING = 0.3
 """mu psi of greased springs on an arc of some 150 degrees, where loops do not tell it from k."""
+USUAL_PRESSING = 0.004
+"""m r^2/psi in kg m^2 of springs of passenger cars, where loops do not tell it."""
+USUAL_SPREAD = (0.7, 1.1)
+"""Standard deviations of ln mu psi and of ln m r^2/psi about what is usual: factors of two, and of three."""
 MODEL_SHARE = 0.005
 """Share of stiffness and loss that the law itself may miss: springs are no continuum, speeds are never zero."""
 ALIKE = 0.03
@@ -56,7 +60,7 @@ class ArcLoops:
         if self.winding.half_width is None:
             found.append(
                 phrase(
-                    "no loop moves all coils, so that k is not told from mu psi: with mu psi {winding:g} assumed k is "
+                    "the loops do not tell k from mu psi: with mu psi {winding:g} assumed k is "
                     "{stiffness:.4g} N m/rad; swing further, or about a lower torque",
                     winding=USUAL_WINDING,
                     stiffness=self.stiffness.value,
@@ -66,7 +70,9 @@ class ArcLoops:
             text = "k is {stiffness} N m/rad and mu psi {winding}"
             found.append(phrase(text, stiffness=_shown(self.stiffness), winding=_shown(self.winding)))
         if self.pressing.half_width is None:
-            found.append("pressing by speed is not seen: run the loops at two speeds, with --speed-channel")
+            found.append(
+                "pressing by speed is not seen: run the loops at two speeds, and name the channel of the speed"
+            )
         else:
             text = "m r^2/psi, by which speed presses the coils, is {pressing} kg m^2"
             found.append(phrase(text, pressing=_shown(self.pressing)))
@@ -88,68 +94,39 @@ def arc_loops(loops: Sequence[TorqueLoop]) -> ArcLoops | None:
         return None
     cases = [_Case.of(one) for one in loops]
     speeds = any(one.speed for one in cases)
-    start = [np.log(cases[0].secant), np.log(USUAL_WINDING), np.log(0.004 if speeds else 1e-12)]
-    chosen = _chosen(cases, start, free=[0, 1, 2] if speeds else [0, 1])
-    if chosen is None:
-        return None
-    free, start = chosen
-    given = np.array(start)
+    usual = np.log([_product(cases[0]) / USUAL_WINDING, USUAL_WINDING, USUAL_PRESSING if speeds else 1e-12])
+    free = 3 if speeds else 2
 
     def misses(values: FloatArray) -> FloatArray:
-        whole = given.copy()
-        whole[free] = values
-        return np.concatenate([one.misses(whole) for one in cases])
+        # What loops do not tell stays near what is usual, and its spread there goes into all intervals.
+        beside = (values[1:] - usual[1:free]) / np.array(USUAL_SPREAD)[: free - 1]
+        return np.concatenate([*(one.misses(np.append(values, usual[free:])) for one in cases), beside])
 
-    fit: Any = least_squares(misses, given[free], x_scale=0.1)
-    given[free] = fit.x
-    if np.sqrt(np.mean(np.concatenate([one.shares(given) for one in cases]) ** 2)) > ALIKE:
+    fit: Any = least_squares(misses, usual[:free], x_scale=0.1)
+    logs = np.append(fit.x, usual[free:])
+    if np.sqrt(np.mean(np.concatenate([one.shares(logs) for one in cases]) ** 2)) > ALIKE:
         return None
-    freedom = max(1, 2 * len(cases) - len(free))
-    scatter = max(1.0, float(np.sqrt(2 * fit.cost / freedom)))
-    covariance = np.linalg.pinv(fit.jac.T @ fit.jac) * (scatter * student(freedom)) ** 2
-    halves: list[float | None] = [None, None, None]
-    for place, number in enumerate(free):
-        halves[number] = float(np.sqrt(covariance[place, place]))
-    both = [free.index(number) for number in (0, 1) if number in free]
-    product = float(np.sqrt(covariance[np.ix_(both, both)].sum()))
-    k, e, b = np.exp(given)
+    freedom = max(1, 2 * len(cases) - 1)
+    scatter = max(1.0, float(np.sqrt(2 * fit.cost / freedom))) * student(freedom)
+    spread = np.linalg.pinv(fit.jac.T @ fit.jac)
+    errors = np.append(np.sqrt(np.diag(spread)), np.zeros(3 - free))
+    size = float(np.exp(logs[0] + logs[1]))
+    product = LoopValue(size, size * scatter * float(np.sqrt(spread[:2, :2].sum())))
+    is_told = errors[1] <= TOLD_APART
+    if not is_told:
+        logs[:2] = np.log([size / USUAL_WINDING, USUAL_WINDING])
+    k, e, b = (
+        LoopValue(float(np.exp(log)), float(np.exp(log) * scatter * error) if shown else None)
+        for log, error, shown in zip(logs, errors, (is_told, is_told, errors[2] <= TOLD_APART), strict=True)
+    )
+    return ArcLoops(k, e, b if speeds else LoopValue(0.0), product)
 
-    def value(size: float, half: float | None) -> LoopValue:
-        return LoopValue(float(size), None if half is None else float(size * half))
 
-    stiffness = value(k, halves[0] if 1 in free else None)
-    return ArcLoops(stiffness, value(e, halves[1]), value(b if speeds else 0.0, halves[2]), value(k * e, product))
-
-
-def _chosen(cases: Sequence[_Case], start: list[float], free: list[int]) -> tuple[list[int], list[float]] | None:
-    """Numbers of the unknowns that the loops tell, and where to start: k mu psi by the first loop."""
-    from scipy.optimize import least_squares
-
-    # While coils are locked k_s a = S (v - S/2) with S^2 = 2 k e a and v^2 = u_t.
-    first = cases[0]
-    v = np.sqrt(max(first.top, 1e-12))
-    root = v - np.sqrt(max(v**2 - 2 * first.secant * first.amplitude, 0.0))
-    begun = [*start]
-    begun[0] = float(np.log(max(root, 1e-9) ** 2 / (2 * first.amplitude * USUAL_WINDING)))
-    while len(free) > 1:
-        given = np.array(begun)
-
-        def misses(values: FloatArray, free: list[int] = free, given: FloatArray = given) -> FloatArray:
-            whole = given.copy()
-            whole[free] = values
-            return np.concatenate([one.misses(whole) for one in cases])
-
-        if 2 * len(cases) >= len(free):
-            fit: Any = least_squares(misses, given[free], x_scale=0.1)
-            spread = np.sqrt(np.diag(np.linalg.pinv(fit.jac.T @ fit.jac, rcond=1e-12)))
-            sizes = np.linalg.svd(fit.jac, compute_uv=False)
-            known = sizes[-1] > 1e-6 * sizes[0] and spread.max() <= TOLD_APART
-            if known:
-                given[free] = fit.x
-                return free, given.tolist()
-        # What the loops tell least stays as assumed: mu psi before the pressure.
-        free = [one for one in free if one != (1 if 1 in free else 2)]
-    return free, begun
+def _product(case: _Case) -> float:
+    """K mu psi of a loop whose coils are locked: k_s a = S (v - S/2) with S^2 = 2 k mu psi a and v^2 = u_t."""
+    v = np.sqrt(max(case.top, 1e-12))
+    root = v - np.sqrt(max(v**2 - 2 * case.secant * case.amplitude, 0.0))
+    return float(max(root, 1e-9) ** 2 / (2 * case.amplitude))
 
 
 @dataclass(frozen=True)
