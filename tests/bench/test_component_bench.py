@@ -163,9 +163,8 @@ class TestArcSprings:
         springs = ArcSprings(700.0, 2.6, 0.12, mass, 0.11, rpm * math.pi / 30)
         arcs = arc_loops([exact_loop(springs, math.radians(swing)) for swing in swings])
         assert arcs.product.interval[0] < 700 * 0.12 * 2.6 < arcs.product.interval[1]
-        assert arcs.pressing.half_width is None
-        if arcs.stiffness.half_width is not None:
-            assert arcs.stiffness.interval[0] < 700 < arcs.stiffness.interval[1]
+        for value, true in ((arcs.stiffness, 700), (arcs.winding, 0.312), (arcs.pressing, mass * 0.11**2 / 2.6)):
+            assert value.half_width is None or value.interval[0] < true < value.interval[1]
         assert not any("moves all coils" in str(note) for note in arcs.notes())
 
     def test_stages_with_friction_are_no_arc_springs(self):
