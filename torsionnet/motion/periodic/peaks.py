@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+import scipy
 
 from torsionnet.linear.assembly.law_stiffness import Functional
 from torsionnet.linear.assembly.rows import FloatArray
@@ -90,7 +90,7 @@ def _top(
         stepped = tracer.step(start, along)
         return 0.0 if stepped is None else float(_swings(problem, tracer.motion(stepped[0]), [reading])[0])
 
-    top = minimize_scalar(lambda along: -swing(along), bounds=(0, length), method="bounded",
+    top = scipy.optimize.minimize_scalar(lambda along: -swing(along), bounds=(0, length), method="bounded",
                           options={"xatol": LOCATED * length})  # fmt: skip
     stepped = tracer.step(start, float(top.x))
     if stepped is None:
