@@ -23,7 +23,7 @@ STEPS = (
     # Each of them keeps one core busy.
     ((make("lint", 20), make("types", 150), make("wheel", 30)), (make("docs", 190), make("demo", 20))),
     ((make("test", 400, "ARGS=--most-of-one=10", name="quick tests"),),),
-    ((make("test-kernel", 250, "ARGS=--cases-of-each=2", name="second BLAS kernel"),),),
+    ((make("test-kernel", 250, "ARGS=--cases-of-each=1", name="second BLAS kernel"),),),
     ((make("test-slow", 850, name="slow tests"),),),
 )
 WHOLE = 2000.0

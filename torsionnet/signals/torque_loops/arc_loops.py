@@ -86,8 +86,8 @@ def _shown(value: LoopValue) -> str:
 def arc_loops(loops: Sequence[TorqueLoop]) -> ArcLoops | None:
     """Arc springs that loops show, or None where they are no loops of arc springs.
 
-    One law explains stiffness and loss of all loops of arc springs. They bend all along, which small swings in noise may
-    hide, so that it is enough to see it in one of them.
+    One law explains stiffness and loss of all loops of arc springs. They bend all along, which noise may hide in small
+    swings, so that it is enough to see it in one of them.
     """
     from scipy.optimize import least_squares
 
