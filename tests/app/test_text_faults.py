@@ -349,7 +349,9 @@ def test_fixes_of_misspelt_library_models_bring_no_errors():
             for fix in one.fixes:
                 after = messages(edited(text, fix.edits), folder=folder)
                 offered += 1
-                stayed += one.fault.message in after or len(after) > len(found)
+                # A name that is used several times is mended one by one.
+                before = [each.fault.message for each in found].count(one.fault.message)
+                stayed += after.count(one.fault.message) >= before or len(after) > len(found)
     assert offered > texts / 3
     # Measured: 3 % put in the nearest name that has another dimension, or a node that is locked.
     assert stayed <= 0.05 * offered

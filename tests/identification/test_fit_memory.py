@@ -132,7 +132,7 @@ print((highest() - before) / 1024, (told.kept + told.passing) / 1e6)
 """
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="asks Linux for the memory a process took")
 def test_a_fit_without_decimation_stays_small():
     """220 lines of 80 000 samples: rows and their transforms would be 280 MB and 560 MB, several times over."""

@@ -231,7 +231,7 @@ def test_a_narrow_peak_that_a_fit_misses_is_named():
     assert "a narrow peak of the test may lie beside that of the model" in missed
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_more_starts_find_no_worse_optimum():
     """From a start near the truth the steps reach it; others fit better before any steps, and end beside the peak."""
     fit = hidden_peak(NEAR, starts=10)
@@ -252,7 +252,7 @@ def test_magnitudes_of_unknown_noise():
         assert abs(fit.values[name] - true) < 3 * fit.standard_errors[name] < 0.03 * true
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("lines", "noise"),
     [

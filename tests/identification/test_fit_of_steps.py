@@ -184,7 +184,10 @@ def test_what_no_swing_visits_is_not_seen():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("left_out", ["friction", "stage", "inertia", "lateness"])
+@pytest.mark.parametrize(
+    "left_out",
+    ["friction", "stage", *(pytest.param(one, marks=pytest.mark.nightly) for one in ("inertia", "lateness"))],
+)
 def test_a_wrong_law_is_called_wrong_and_its_cause_named(left_out):
     data = measured(of_stages(**STAGES), LEVELS, F, seed=1)
     names, values = dict(STAGES), dict(STAGES)

@@ -54,7 +54,7 @@ def test_contact_that_damps_and_never_pulls():
         _agrees(found, motion, flow, "ab", (1, -1))
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_teeth_with_a_ratio_and_two_harmonics():
     elements = [
         tn.Inertia("pinion", node="a", inertia=0.02),
@@ -72,7 +72,7 @@ def test_teeth_with_a_ratio_and_two_harmonics():
         _agrees(found, motion, flow, "ab", (1, -2.5))
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_friction_behind_a_spring_between_two_masses():
     elements = [
         tn.Inertia("one", node="a", inertia=0.11),
@@ -117,7 +117,7 @@ def test_symmetric_motion_becomes_lopsided_without_a_fold():
             assert bool(abs(motion.amplitudes[0, 0]) > 0.1) is (motion.branch == 1)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_peak_between_places_far_apart_is_added():
     found = _cubic_mass(0.2).periodic_response(
         "a", frequencies=np.array([0.2, 4]) / (2 * pi), excitation={"a": {1: 0.5}}
@@ -131,7 +131,7 @@ def test_peak_between_places_far_apart_is_added():
     assert max(sizes) > 0.98 * found.peak_to_peak(largest)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_chaos_is_said_where_no_motion_is_stable():
     found = _cubic_mass(0.05).periodic_response("a", frequencies=np.array([0.98, 1]) / (2 * pi), excitation={"a": 7.5})
     assert not found.stable_at(1 / (2 * pi))

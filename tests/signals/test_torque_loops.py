@@ -273,7 +273,7 @@ def test_intervals_over_cycles_cover_also_where_the_meter_wanders(walk, scatter)
         assert 0.86 <= hits[name] <= 1.0, name
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_intervals_with_the_steps_of_a_coarse_encoder_cover():
     step = np.radians(0.25)
     every = [only(stage_record(seed, step=step)) for seed in range(50)]
@@ -286,7 +286,7 @@ def test_intervals_with_the_steps_of_a_coarse_encoder_cover():
     assert errors["k_1"].std() < 0.25e-2
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_free_play_and_contact_stiffness_are_without_bias_by_distance_in_both_channels():
     true = {"k": 20000.0, "gap": np.radians(0.5), "M": 1.0}
 

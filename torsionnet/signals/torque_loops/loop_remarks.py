@@ -219,13 +219,16 @@ def _rates(slow: TorqueLoop, fast: TorqueLoop) -> list[str]:
         return []
     if change < 0:
         text = (
-            "from {slow:.3g} to {fast:.3g} Hz the friction torque falls by {change:.3g} N m: what grows with slowness "
+            "from {slow:.3g} to {fast:.3g} Hz the friction torque falls by {change:.3g} N m: "
+            "what grows with slowness is creep"
         )
-        return [phrase(text + "is creep", slow=slow.frequency, fast=fast.frequency, change=-change)]
+        return [phrase(text, slow=slow.frequency, fast=fast.frequency, change=-change)]
     # k'' = c omega + 4 M/(pi a), whatever the course of the twist.
     damping = (fast.loss_stiffness.value - slow.loss_stiffness.value) / (2 * np.pi * (fast.frequency - slow.frequency))
-    text = "from {slow:.3g} to {fast:.3g} Hz the friction torque grows by {change:.3g} N m: a part of it is viscous, "
-    text += "c = {damping:.2g} N m s/rad"
+    text = (
+        "from {slow:.3g} to {fast:.3g} Hz the friction torque grows by {change:.3g} N m: a part of it is viscous, "
+        "c = {damping:.2g} N m s/rad"
+    )
     return [phrase(text, slow=slow.frequency, fast=fast.frequency, change=change, damping=damping)]
 
 
