@@ -160,6 +160,11 @@ class TestSliders:
         rig = tn.load("six_cylinder_diesel")
         eta = sliders(rig, rig, {})[-1]
         assert (eta.name, eta.low, eta.high) == ("eta", 0.0, pytest.approx(0.35))
+        text = "{torsionnet: 1, parameters: {k: 9, T: 0}, elements: {J: {type: inertia, node: a, inertia: k}}," + (
+            " configurations: {coast: {parameters: {T: -4}}}}"
+        )
+        load = sliders(coast := tn.loads(text), coast, {})[-1]
+        assert (load.name, load.low, load.high) == ("T", 0.0, 40.0)
 
     def test_a_value_beyond_the_range_widens_it(self):
         rig = tn.load("dmf_rig")

@@ -312,3 +312,11 @@ def test_an_element_against_a_node_that_is_held():
     ours, theirs = (fitted(model, data, ["k1", "k2"]) for model in (clamped, plain))
     for name in ("k1", "k2"):
         assert ours.values[name] == pytest.approx(theirs.values[name], rel=1e-6)
+
+
+def test_a_sweep_that_turns_back_is_two_runs():
+    """A frequency that is kept for two steps ends none; another level begins one."""
+    f, levels = np.array([6.0, 8.0, 10.0, 6.0, 8.0, 8.0, 10.0, 9.0, 7.0]), np.repeat([15.0, 40.0], [3, 6])
+    test = tn.Measurement(steps(f, levels / 460 + 0j, levels), "gamma", "T", error=0.01, name="steps")
+    problem = make_problem(rig(k1=400, g1=0.1, k2=1700, c=1.0, M=2.0), [test], read_unknowns(["k1"]), "complex")
+    assert problem.blocks[0].runs == (slice(0, 3), slice(3, 7), slice(7, 9))

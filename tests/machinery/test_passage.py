@@ -6,7 +6,7 @@ import scipy
 
 import torsionnet as tn
 from torsionnet.base.units import RPM
-from torsionnet.machinery.passage.passage_response import cycles_above, envelopes
+from torsionnet.machinery.passage.passage_response import crests, cycles_above, envelopes
 
 J, K, C = (2.0, 3.0), 1.2e4, 6.0
 NATURAL = np.sqrt(K * (1 / J[0] + 1 / J[1]))  # 100 rad/s
@@ -312,3 +312,9 @@ def test_envelopes_by_hand():
     at = middle / 2 / np.pi / 25
     assert np.abs(high - (3 + at)).max() < 0.021  # half a cycle of growth, 1/50
     assert np.abs(low - (3 - at)).max() < 0.021
+
+
+def test_three_samples_have_a_crest():
+    """Parabola 1 - (t - .5)^2/10 through t = -1, 0, 1."""
+    found = crests(1 - (np.array([-1.0, 0.0, 1.0]) - 0.5) ** 2 / 10)
+    assert found[1] == pytest.approx(1)

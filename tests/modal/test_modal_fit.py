@@ -688,6 +688,10 @@ class TestErrors:
         response = response_of([pole(8, 0.1)], np.zeros((1, 1, 1)), LINES)
         self.wrong(r"(?s)y0/u0.*needless-entry", response)
 
+    def test_response_of_magnitudes_alone(self):
+        response = response_of([pole(8, 0.1)], np.ones((1, 1, 1)), LINES)
+        self.wrong("missing-data", replace(response, has_phase=False))
+
     def test_the_other_sign_of_time(self):
         response = response_of([pole(8, 0.1)], np.ones((1, 1, 1)), LINES)
         self.wrong(

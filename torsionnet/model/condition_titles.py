@@ -71,6 +71,8 @@ class ConditionTitles:
         >>> titles = ConditionTitles(axes)
         >>> print(titles.several(every[:2], every), titles.several(every[1:3], every), sep=" | ")
         normal firing | normal firing, idle; misfire, full load
+        >>> print(titles.several(every[:3], every))
+        normal firing, full load; normal firing, idle; misfire, full load
         """
         chosen, every = self._chosen(configurations), self._chosen(known)
         narrow = {axis: names for axis, names in chosen.items() if names != every[axis]}

@@ -54,8 +54,10 @@ class SteppedBlock(ResponseBlock):
             jumps = abs(levels[place] / levels[place - 1] - 1) > SAME_LEVEL and sense != 0
             if jumps or way * sense < 0:
                 ends.append(place)
-                sense = 0.0
-            way = sense or way
+                # Back to the first frequency of the next level tells nothing of its way; a turn does.
+                way = 0.0 if jumps else sense
+            else:
+                way = sense or way
         return tuple(slice(a, b) for a, b in zip(ends, [*ends[1:], len(f)], strict=True))
 
     @property

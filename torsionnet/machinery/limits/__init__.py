@@ -5,7 +5,7 @@ import pkgutil
 
 from torsionnet.machinery.limits.limit import Limit, limit_rules
 
-for _name in sorted(module.name for module in pkgutil.iter_modules(__path__)):
-    importlib.import_module(f"{__name__}.{_name}")
+for _module in pkgutil.iter_modules(__path__):
+    importlib.import_module(f"{__name__}.{_module.name}")
 
 __all__ = ["Limit", "limit_rules"]

@@ -341,7 +341,9 @@ class _Examination:
     def wanted(self, found: _Examined) -> FloatArray:
         """Speeds (n,) in rad/s to add where the curves of the limits are not resolved yet."""
         lines = [line for group in found.lines for line in group if not line.why_not]
-        used = np.stack([line.utilisation for line in lines], axis=1) if lines else np.empty((len(found.run.speeds), 0))
+        if not lines:
+            return np.empty(0)
+        used = np.stack([line.utilisation for line in lines], axis=1)
         tops = [column for line in lines for column in _tops(found.run.speeds, line)]
         # Utilisation 1 is where a range to be barred begins and ends; its top decides how wide it is usually barred.
         by_level = speeds_to_refine(found.run.speeds, used, 1.0)
