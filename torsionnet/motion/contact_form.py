@@ -71,7 +71,7 @@ def held_motions(rows: FloatArray, owners: Sequence[str]) -> Held:
         pivot = int(np.abs(left[number]).argmax())
         # Without a pivot the row is a combination of those in ``made``.
         if np.abs(left[number, pivot]) <= DEPENDENT * np.abs(rows[number]).max():
-            names = [owners[one] for one in np.flatnonzero(np.abs(made[number]) > DEPENDENT).tolist()]
+            names = [owners[row] for row in np.flatnonzero(np.abs(made[number]) > DEPENDENT).tolist()]
             text = "stick in a loop, so that their torques do not follow from equilibrium"
             raise UsageError(
                 f"{' and '.join(dict.fromkeys(names))} {text}; give one of them a stiffness",
@@ -143,11 +143,11 @@ def balanced_slips(slips: Sequence[Slip], outside: FloatArray) -> FloatArray | N
 
     ``outside`` (n,) are the torques in N m on the loose motions from outside.
     """
-    ways, rates = np.array([one.way for one in slips]), np.array([one.rate for one in slips])
-    torques, holds = (np.array([getattr(one, name) for one in slips]) for name in ("torque", "holds"))
+    ways, rates = np.array([slip.way for slip in slips]), np.array([slip.rate for slip in slips])
+    torques, holds = (np.array([getattr(slip, name) for slip in slips]) for name in ("torque", "holds"))
     size = np.abs(rates).max(initial=0.0) or 1.0
     # A slip that has just begun goes the way of its torque, each at a rate of its own.
-    begun = np.array([one.sign for one in slips]) * BEGUN * size * (1 + np.arange(len(slips)) / len(slips))
+    begun = np.array([slip.sign for slip in slips]) * BEGUN * size * (1 + np.arange(len(slips)) / len(slips))
     rates = np.where(np.abs(rates) <= AT_REST * size, begun, rates)
     # At the minimum as many frictions stick as there are loose motions: all such choices are tried.
     for chosen in combinations(range(len(slips)), ways.shape[1]):
@@ -218,18 +218,18 @@ def contact_form(plant: MotionPlant, laws: Sequence[LawPhases], contact: Sequenc
     LooseMotionError
         No unique motion of what has no inertia.
     """
-    phases = [one.phases[number] for one, number in zip(laws, contact, strict=True)]
+    phases = [law.phases[number] for law, number in zip(laws, contact, strict=True)]
     system = plant.linear
-    rows = np.array([one.row for one in plant.laws]).reshape(len(phases), system.n_coordinates)
+    rows = np.array([law.row for law in plant.laws]).reshape(len(phases), system.n_coordinates)
     holds = [number for number, phase in enumerate(phases) if phase.kind == "hold"]
     held = held_motions(rows[holds], [laws[number].owner for number in holds])
     C, K = (_with_laws(matrix, rows, phases, what) for matrix, what in ((system.C, "damping"), (system.K, "stiffness")))
     M = system.M
     # What actions answer at once to angle, rate and acceleration stands in K, C and M.
-    for one in plant.actions:
+    for action in plant.actions:
         M, C, K = (
-            matrix - value * np.outer(one.row, one.sensed)
-            for matrix, value in zip((M, C, K), one.at_once[::-1], strict=True)
+            matrix - value * np.outer(action.row, action.sensed)
+            for matrix, value in zip((M, C, K), action.at_once[::-1], strict=True)
         )
     loads = _loads(plant, rows, phases, laws, drive, K, C, held)
     form, heavy, basis = _form(plant, holds, _coefficients(plant, phases), held, loads)
@@ -252,20 +252,20 @@ class _Parts:
 
 def _coefficients(plant: MotionPlant, phases: Sequence[Phase]) -> FloatArray:
     """Damping and stiffness (2, n_laws) of all laws, with the slopes of the phases."""
-    found = np.array([plant.linear.damping, plant.linear.stiffness])
-    for one, phase in zip(plant.laws, phases, strict=True):
+    coefficients = np.array([plant.linear.damping, plant.linear.stiffness])
+    for law, phase in zip(plant.laws, phases, strict=True):
         if phase.kind == "slope":
-            found[:, one.number] = phase.damping, phase.stiffness
-    return found
+            coefficients[:, law.number] = phase.damping, phase.stiffness
+    return coefficients
 
 
 def _with_laws(matrix: FloatArray, rows: FloatArray, phases: Sequence[Phase], what: str) -> FloatArray:
-    found = matrix.copy()
+    matrix_of_all = matrix.copy()
     for row, phase in zip(rows, phases, strict=True):
         value = getattr(phase, what)
         if phase.kind == "slope" and value:
-            found += value * np.outer(row, row)
-    return found
+            matrix_of_all += value * np.outer(row, row)
+    return matrix_of_all
 
 
 def _loads(
@@ -285,7 +285,7 @@ def _loads(
         phase.lower if law.over_rate else 0.0 for law, phase in zip(laws, phases, strict=True) if phase.kind == "hold"
     ]
     columns[:, drive.n_u] -= C @ held.Y @ np.array(turning)
-    driven = np.array([one.row for one in plant.actions]).reshape(len(plant.actions), n_q).T
+    driven = np.array([action.row for action in plant.actions]).reshape(len(plant.actions), n_q).T
     return np.hstack([columns, -K @ held.Y, driven])
 
 
@@ -298,7 +298,9 @@ def _form(
     system = RowSystem(law_rows, linear.inertia, coefficients[0].copy(), coefficients[1].copy())
     key = "kinds", tuple(holds), (coefficients != 0).tobytes()  # whatever their sizes
     kinds, basis, loose = plant.remembered(key, lambda: _kinds(system))
-    actions: list[LawStates] = [replace(one, row=one.row @ held.Z, sensed=one.sensed @ held.Z) for one in plant.actions]
+    actions: list[LawStates] = [
+        replace(action, row=action.row @ held.Z, sensed=action.sensed @ held.Z) for action in plant.actions
+    ]
     heavy, damped, static = kinds
     names = tuple("" for _ in range(2 * heavy.shape[1] + damped.shape[1]))
     try:
@@ -350,11 +352,11 @@ def _over_z(plant: MotionPlant, parts: _Parts) -> ContactForm:
     at = Layout(n_q, n_x - n_own, len(drive.F), drive.n_u)
     # x_e = (x, c, w, 1, u, u'), over which the inputs are u + S w, 1 and c
     c, w = slice(n_x, n_x + n_h), slice(n_x + n_h, n_x + n_h + at.n_w)
-    one = w.stop
-    u, slope = slice(one + 1, one + 1 + at.n_u), slice(one + 1 + at.n_u, one + 1 + 2 * at.n_u)
+    unit = w.stop
+    u, slope = slice(unit + 1, unit + 1 + at.n_u), slice(unit + 1 + at.n_u, unit + 1 + 2 * at.n_u)
     inputs = np.zeros((at.n_u + 1 + n_h, slope.stop))
     inputs[: at.n_u, u], inputs[: at.n_u, w] = np.eye(at.n_u), drive.S
-    inputs[at.n_u, one] = 1.0
+    inputs[at.n_u, unit] = 1.0
     inputs[at.n_u + 1 :, c] = np.eye(n_h)
     # x_e' = A x_e with x' = A x + B inputs, w' = F w, and u' constant within a step.
     A = np.zeros((slope.stop, slope.stop))
@@ -366,7 +368,7 @@ def _over_z(plant: MotionPlant, parts: _Parts) -> ContactForm:
     for place, number in enumerate(parts.holds):
         phase, over_rate = parts.phases[number], parts.laws[number].over_rate
         if over_rate:
-            A[n_x + place, one] = phase.lower
+            A[n_x + place, unit] = phase.lower
             R[n_x + place, at.q] = rows[number]
         else:
             R[n_x + place, at.one] = phase.lower
@@ -375,7 +377,7 @@ def _over_z(plant: MotionPlant, parts: _Parts) -> ContactForm:
     E = np.zeros((at.size, slope.stop))
     E[at.q], E[at.v] = q, q @ A
     E[at.controllers, n_own:n_x] = np.eye(at.n_c)
-    E[at.w, w], E[at.one, one] = np.eye(at.n_w), 1.0
+    E[at.w, w], E[at.one, unit] = np.eye(at.n_w), 1.0
     E[at.u, u], E[at.slope, slope] = np.eye(at.n_u), np.eye(at.n_u)
     # R takes x_e back from z, by the inverse of the bases of q and the momentum of q'.
     free = list(held.free)
@@ -383,17 +385,17 @@ def _over_z(plant: MotionPlant, parts: _Parts) -> ContactForm:
     R[n_a : 2 * n_a, at.v] = _velocities(plant, parts, inverse[:n_a])
     R[2 * n_a : n_own, free] = inverse[n_a : n_a + n_b]
     R[n_own:n_x, at.controllers] = np.eye(at.n_c)
-    R[w, at.w], R[one, at.one] = np.eye(at.n_w), 1.0
+    R[w, at.w], R[unit, at.one] = np.eye(at.n_w), 1.0
     R[u, at.u], R[slope, at.slope] = np.eye(at.n_u), np.eye(at.n_u)
     # z' = E A R z; the refresh E R puts z on what the contact state allows.
     whole, refresh, outside = E @ A @ R, E @ R, np.zeros((at.n_u, at.size))
     outside[:, at.u], outside[:, at.w] = np.eye(at.n_u), drive.S
     motion = refresh[at.q], refresh[at.v], whole[at.v]
     act = _action_torques(plant, at, *motion)
-    found = ContactForm(
+    bare = ContactForm(
         whole, refresh, motion, rows @ motion[0], rows @ motion[1], np.zeros((len(rows), at.size)), act, outside
     )
-    return replace(found, torques=_law_torques(plant, parts, at, found, motion))
+    return replace(bare, torques=_law_torques(plant, parts, at, bare, motion))
 
 
 def _velocities(plant: MotionPlant, parts: _Parts, plain: FloatArray) -> FloatArray:
@@ -407,37 +409,37 @@ def _velocities(plant: MotionPlant, parts: _Parts, plain: FloatArray) -> FloatAr
         # Momentum over the heavy motions P = Z a is kept as rows are caught: (P^T M P) a' = P^T M q'.
         moved = held.Z @ parts.heavy
         return np.asarray(np.linalg.solve(moved.T @ M @ moved, moved.T @ M))
-    found = np.zeros((len(plain), len(held.Z)))
-    found[:, list(held.free)] = plain
-    return found
+    velocities = np.zeros((len(plain), len(held.Z)))
+    velocities[:, list(held.free)] = plain
+    return velocities
 
 
 def _action_torques(
     plant: MotionPlant, at: Layout, position: FloatArray, speed: FloatArray, acceleration: FloatArray
 ) -> FloatArray:
-    found = np.zeros((len(plant.actions), at.size))
+    torques = np.zeros((len(plant.actions), at.size))
     place = at.controllers.start
     # What follows the sensed motion at once, and H x of the states of the action.
-    for number, one in enumerate(plant.actions):
-        for value, motion in zip(one.at_once, (position, speed, acceleration), strict=True):
-            found[number] += value * (one.sensed @ motion)
-        found[number, place : place + len(one.H)] += one.H
-        place += len(one.H)
-    return found
+    for number, action in enumerate(plant.actions):
+        for value, motion in zip(action.at_once, (position, speed, acceleration), strict=True):
+            torques[number] += value * (action.sensed @ motion)
+        torques[number, place : place + len(action.H)] += action.H
+        place += len(action.H)
+    return torques
 
 
 def _law_torques(
     plant: MotionPlant, parts: _Parts, at: Layout, form: ContactForm, motion: tuple[FloatArray, FloatArray, FloatArray]
 ) -> FloatArray:
     """Rows (n_laws, N) of the torques of the laws of motion, of held rows the multipliers of their constraints."""
-    found = form.torques.copy()
+    torques = form.torques.copy()
     for number, (phase, scale) in enumerate(zip(parts.phases, parts.drive.scale_of, strict=True)):
         if phase.kind == "slope":
-            found[number] = phase.stiffness * form.twists[number] + phase.damping * form.rates[number]
+            torques[number] = phase.stiffness * form.twists[number] + phase.damping * form.rates[number]
             if scale < 0:
-                found[number, at.one] += phase.torque
+                torques[number, at.one] += phase.torque
             else:
-                found[number] += phase.torque * form.inputs[scale]
+                torques[number] += phase.torque * form.inputs[scale]
     M, C, K = parts.matrices
     position, speed, acceleration = motion
     n_torques = parts.drive.columns.shape[1]
@@ -447,13 +449,13 @@ def _law_torques(
         if phase.kind == "slope" and phase.torque:
             constant = form.inputs[scale] if scale >= 0 else np.eye(at.size)[at.one]
             left -= phase.torque * np.outer(parts.rows[number], constant)
-    for one, torque in zip(plant.actions, form.act, strict=True):
+    for action, torque in zip(plant.actions, form.act, strict=True):
         at_once = sum(
-            value * (one.sensed @ part) for value, part in zip(one.at_once, motion, strict=True)
+            value * (action.sensed @ part) for value, part in zip(action.at_once, motion, strict=True)
         )  # stands in M, C and K
-        left += np.outer(one.row, torque - at_once)
-    found[list(parts.holds)] = parts.held.Y.T @ left
-    return found
+        left += np.outer(action.row, torque - at_once)
+    torques[list(parts.holds)] = parts.held.Y.T @ left
+    return torques
 
 
 def relative_form(plant: MotionPlant, at: Layout, form: ContactForm) -> ContactForm:

@@ -105,7 +105,7 @@ class OperatingBalance:
     def given_speeds(self) -> dict[str, float]:
         """Mean speed in rad/s by node that the operating point or the load gives."""
         values = self._external.values
-        point = {node: float(one.evaluate(values)) for node, one in self.definition.operating_point.speed.items()}
+        point = {node: float(given.evaluate(values)) for node, given in self.definition.operating_point.speed.items()}
         if self.definition.load is None:
             return point
         reference = self._external.reference
@@ -131,8 +131,8 @@ class OperatingBalance:
             return False
 
         network = self.network
-        following = [one for one in self.definition.switched_on if self._follows(one)]
-        if any(expression.names & names for one in following for _, _, expression, _ in one.expressions()):
+        following = [element for element in self.definition.switched_on if self._follows(element)]
+        if any(expression.names & names for element in following for _, _, expression, _ in element.expressions()):
             return True
         return bool(network.over_rate) or any(virtual_opening(network, law) is None for law in network.over_twist)
 
@@ -166,8 +166,8 @@ class OperatingBalance:
         external = {node: torque for node, torque in self.external.items() if node in network.order}
         if self._rests:
             states: dict[str, tuple[MotionState, ...]] = {}
-            for one in network.motion:
-                states[one.owner] = (*states.get(one.owner, ()), _at_rest(one.law))
+            for placed in network.motion:
+                states[placed.owner] = (*states.get(placed.owner, ()), _at_rest(placed.law))
             yield BalancedState({}, states, {name: (0.0,) * len(some) for name, some in states.items()})
             return
         from torsionnet.motion.balance.steady_speeds import steady_speeds
@@ -176,13 +176,13 @@ class OperatingBalance:
         motions = steady_speeds(network, external, given, self.definition.name)
         refused: list[ModelError] = []
         # The nearest to given speeds first, of equally near ones that in which most sticks.
-        for motion in sorted(motions, key=lambda one: (one.distance, -one.sticking)) if given else motions:
+        for motion in sorted(motions, key=lambda speeds: (speeds.distance, -speeds.sticking)) if given else motions:
             try:
-                found = self._balanced(motion, external)
+                balanced = self._balanced(motion, external)
             except ModelError as error:  # as where the slip of one balance lies beyond a table
                 refused.append(error)
             else:
-                yield from found
+                yield from balanced
         if len(refused) == len(motions):
             raise refused[0]
 
@@ -192,24 +192,24 @@ class OperatingBalance:
 
         network = self.network
         acting, slipping = ({node: exact(torque) for node, torque in external.items()} for _ in range(2))
-        for one, speed in motion.laws.items():
-            for node, share in one.law.row.items() if speed.counts and speed.torque else ():
-                for table in (acting,) if one.law.curve.holds(speed.state) else (acting, slipping):
+        for law, speed in motion.laws.items():
+            for node, share in law.law.row.items() if speed.counts and speed.torque else ():
+                for table in (acting,) if law.law.curve.holds(speed.state) else (acting, slipping):
                     table[node] = table.get(node, Fraction(0)) - exact(share) * exact(speed.torque)
-        found: dict[PlacedMotionLaw, tuple[MotionState, float]] = {
-            one: (speed.state, speed.torque) for one, speed in motion.laws.items()
+        law_states: dict[PlacedMotionLaw, tuple[MotionState, float]] = {
+            law: (speed.state, speed.torque) for law, speed in motion.laws.items()
         }
         # Torques that equilibrium alone gives are exact, and their laws are inverted; the others are searched for.
         known = determinate_torques(network, acting)
-        choices = [self._states_at(one, torque) for one, torque in known.items()]
+        choices = [self._states_at(placed, torque) for placed, torque in known.items()]
         if len(known) < len(network.over_twist):
             balance = twist_balance(network, {node: float(torque) for node, torque in acting.items()})
             own = zip(network.over_twist, balance.states, balance.torques.tolist(), strict=True)
-            found |= {one: (state, torque) for one, state, torque in own if one not in known}
+            law_states |= {law: (state, torque) for law, state, torque in own if law not in known}
         if math.prod(map(len, choices)) > MOST_COMBINATIONS:
             choices = [some[:1] for some in choices]
         return [
-            self._in_states(motion, external, slipping, found | dict(zip(known, some, strict=True)))
+            self._in_states(motion, external, slipping, law_states | dict(zip(known, some, strict=True)))
             for some in itertools.product(*choices)
         ]
 
@@ -218,18 +218,18 @@ class OperatingBalance:
         motion: SteadySpeeds,
         external: Mapping[str, float],
         slipping: Mapping[str, Fraction],
-        found: Mapping[PlacedMotionLaw, tuple[MotionState, float]],
+        law_states: Mapping[PlacedMotionLaw, tuple[MotionState, float]],
     ) -> BalancedState:
         from torsionnet.motion.balance.rate_states import returns_to_twists
 
-        self._require_range(found)
-        twisted = {one: found[one][0] for one in self.network.over_twist}
+        self._require_range(law_states)
+        twisted = {law: law_states[law][0] for law in self.network.over_twist}
         states: dict[str, tuple[MotionState, ...]] = {}
         torques: dict[str, tuple[float, ...]] = {}
-        for one in self.network.motion:
-            state, own_torque = found[one]
-            states[one.owner] = (*states.get(one.owner, ()), state)
-            torques[one.owner] = (*torques.get(one.owner, ()), own_torque)
+        for law in self.network.motion:
+            state, own_torque = law_states[law]
+            states[law.owner] = (*states.get(law.owner, ()), state)
+            torques[law.owner] = (*torques.get(law.owner, ()), own_torque)
         size = max(map(abs, external.values()), default=0.0)
         notes = tuple(
             f"the mean torques leave {torque:.4g} N*m over, taken at {node}"
@@ -242,7 +242,7 @@ class OperatingBalance:
                 for owner, rate in motion.slipping.items()
             )
         outer = {node: float(torque) for node, torque in slipping.items()}
-        stated = (next(iter(one.law.row)) for one, speed in motion.laws.items() if not speed.counts)
+        stated = (next(iter(law.law.row)) for law, speed in motion.laws.items() if not speed.counts)
         return BalancedState(
             motion.speeds,
             states,
@@ -255,47 +255,48 @@ class OperatingBalance:
             tuple(dict.fromkeys(stated)),
         )
 
-    def _states_at(self, one: PlacedMotionLaw, torque: Any) -> list[tuple[MotionState, float]]:
+    def _states_at(self, placed: PlacedMotionLaw, torque: Any) -> list[tuple[MotionState, float]]:
         """States of a law over the twist at a torque in N m, of a rising curve only the one nearest to rest.
 
         Of one that falls somewhere, as that of a magnetic coupling beyond its largest torque, all; those that hold come
         first.
         """
-        law = one.law
-        found = law.curve.states_at(torque / law.scale) if law.scale else (AT_REST,)
-        if found is None:
-            found = _bracketed_twists(law, float(torque))
-        falling = [state for state in found if not law.curve.holds(state) and law.curve.slopes(state)[0] < 0]
-        rising = sorted((state for state in found if state not in falling), key=lambda state: abs(state.twist))
+        law = placed.law
+        places = law.curve.states_at(torque / law.scale) if law.scale else (AT_REST,)
+        if places is None:
+            places = _bracketed_twists(law, float(torque))
+        falling = [state for state in places if not law.curve.holds(state) and law.curve.slopes(state)[0] < 0]
+        rising = sorted((state for state in places if state not in falling), key=lambda state: abs(state.twist))
         states = [*rising, *falling] if falling else rising[:1]
         if rising:  # else nothing holds it: where the torque falls alone, it runs away
             return [(state, float(torque)) for state in states]
         raise ModelError(
-            [Fault(_not_reached(law, float(torque)), ("elements", one.owner), kind="no-solution")], self.definition.name
+            [Fault(_not_reached(law, float(torque)), ("elements", placed.owner), kind="no-solution")],
+            self.definition.name,
         )
 
-    def _require_range(self, found: Mapping[PlacedMotionLaw, tuple[MotionState, float]]) -> None:
+    def _require_range(self, law_states: Mapping[PlacedMotionLaw, tuple[MotionState, float]]) -> None:
         faults = [
-            Fault(message, ("elements", one.owner), kind="no-solution")
-            for one, (state, _) in found.items()
-            if (message := one.law.curve.left(state.twist, state.rate, *state.sensed))
+            Fault(message, ("elements", law.owner), kind="no-solution")
+            for law, (state, _) in law_states.items()
+            if (message := law.law.curve.left(state.twist, state.rate, *state.sensed))
         ]
         if faults:
             raise ModelError(faults, self.definition.name)
 
-    def _chosen(self, found: Sequence[BalancedState]) -> BalancedState:
+    def _chosen(self, points: Sequence[BalancedState]) -> BalancedState:
         """Stable one of several points, of these the nearest to given speeds, else that in which most laws stick.
 
         Friction that sticks keeps doing so until something makes it slip.
         """
-        stable = [one for one in found if one.is_stable]
+        stable = [point for point in points if point.is_stable]
         if not stable:
-            return found[0]
+            return points[0]
         if any(self.given_speeds.values()):
             return stable[0]
-        most = max(one.sticking for one in stable)
-        sticking = [one for one in stable if one.sticking == most]
-        if len({tuple(one.speeds.items()) for one in sticking}) == 1:
+        most = max(point.sticking for point in stable)
+        sticking = [point for point in stable if point.sticking == most]
+        if len({tuple(point.speeds.items()) for point in sticking}) == 1:
             return sticking[0]  # of several twists the one nearest to rest comes first
         listed = "; ".join(map(self._speeds_text, sticking[:MOST_LISTED]))
         text = (
@@ -303,18 +304,18 @@ class OperatingBalance:
         )
         raise ModelError([Fault(text, ("operating_point", "speed"), kind="missing-entry")], self.definition.name)
 
-    def _speeds_text(self, one: BalancedState) -> str:
+    def _speeds_text(self, point: BalancedState) -> str:
         nodes = dict.fromkeys(node for law in self.network.over_rate for node in law.law.row)
-        speeds = {node: one.speeds[node] for node in nodes if node in one.speeds}
+        speeds = {node: point.speeds[node] for node in nodes if node in point.speeds}
         return ", ".join(f"{node} {speed * RPM:.6g} rpm" for node, speed in list(speeds.items())[:MOST_LISTED])
 
 
-def _pushes_at_rest(one: PlacedMotionLaw) -> bool:
+def _pushes_at_rest(placed: PlacedMotionLaw) -> bool:
     """Whether a law has a torque at rest without twist, as a motor has, or a table that is not symmetric."""
-    if one.law.curve.holds(AT_REST):
+    if placed.law.curve.holds(AT_REST):
         return False
     try:
-        return bool(one.law.torque(0, 0, *([0] * len(one.law.sensed))) != 0)
+        return bool(placed.law.torque(0, 0, *([0] * len(placed.law.sensed))) != 0)
     except ArithmeticError:  # as that of a constant power
         return True
 
@@ -347,7 +348,7 @@ def _not_reached(law: MotionLaw, torque: float) -> str:
     """Message that no twist gives a torque in N m."""
     ends = [float(law.torque(end, 0)) for end in law.curve.range() if end is not None]
     if not ends and law.curve.corners():
-        most = max((float(law.torque(place, 0)) for place in law.curve.corners()), key=lambda one: one * torque)
+        most = max((float(law.torque(place, 0)) for place in law.curve.corners()), key=lambda extreme: extreme * torque)
         return f"the mean torque is {torque:.6g} N*m, and it holds at most {most:.6g} N*m; reduce the torque"
     reach = f", and it ends at {max(ends, key=lambda end: end * torque):.6g} N*m" if ends else ""
     return f"the mean torque is {torque:.6g} N*m{reach}; extend the table or the last stage, or reduce the torque"
@@ -381,10 +382,10 @@ def asked_point(
                 kind="missing-entry",
             )
         speed = {reference: speed}
-    found, faults = OperatingPoint.read({"torque": dict(torque or {}), "speed": dict(speed or {})})
-    if faults or found is None:
+    point, faults = OperatingPoint.read({"torque": dict(torque or {}), "speed": dict(speed or {})})
+    if faults or point is None:
         raise ModelError(faults or [Fault("no operating point", kind="no-solution")], "the operating point")
-    return found
+    return point
 
 
 # Mean torques of laws that equilibrium alone gives, exact as the torques from outside are.
@@ -401,12 +402,12 @@ def determinate_torques(network: LawNetwork, external: Mapping[str, Fraction]) -
     """
     if len(network.over_twist) > MOST_LAWS:
         return {}
-    found = {}
+    torques = {}
     for law in network.over_twist:
         motion = virtual_opening(network, law)
         if motion is not None:
-            found[law] = sum((torque * motion.get(node, 0) for node, torque in external.items()), start=Fraction(0))
-    return found
+            torques[law] = sum((torque * motion.get(node, 0) for node, torque in external.items()), start=Fraction(0))
+    return torques
 
 
 def virtual_opening(network: LawNetwork, opened: PlacedMotionLaw) -> dict[str, Fraction] | None:
@@ -414,7 +415,7 @@ def virtual_opening(network: LawNetwork, opened: PlacedMotionLaw) -> dict[str, F
     # b z = 1 for the law that is opened, b z = 0 for all others, and free motions held.
     rows: list[Row] = [exact_row(row) for row in network.held]
     rows += [exact_row(law.row) for _, law in network.elastic]
-    rows += [exact_row(one.law.row) for one in network.over_twist if one is not opened]
+    rows += [exact_row(law.law.row) for law in network.over_twist if law is not opened]
     rows += [{node: Fraction(1)} for node in network.free_motions]
     return _motion_of([*rows, {**exact_row(opened.law.row), UNIT: Fraction(-1)}], network)
 

@@ -53,11 +53,11 @@ def states_of_rate(law: MotionLaw, torque: float) -> list[MotionState]:
     """States at which a law over the rate gives a torque in N m, by rising rate; friction may stick and slip alike."""
     if not law.scale:
         return [] if torque else [AT_REST]
-    found = law.curve.states_at(torque / law.scale)
-    if found is None:
+    states = law.curve.states_at(torque / law.scale)
+    if states is None:
         rates = roots_along([law], [1.0], torque)
-        found = tuple(state_at(law, rate) for rate in rates)
-    return list(found)
+        states = tuple(state_at(law, rate) for rate in rates)
+    return list(states)
 
 
 def roots_along(laws: Sequence[MotionLaw], factors: Sequence[float], wanted: float) -> list[float]:
@@ -74,10 +74,10 @@ def roots_along(laws: Sequence[MotionLaw], factors: Sequence[float], wanted: flo
     if not all(isinstance(law.curve, PieceCurve) for law in laws):
         for low, high in itertools.pairwise(sorted(places)):
             places |= set(np.linspace(low, high, BETWEEN).tolist())
-        places |= {sign * one for one in np.geomspace(SLOWEST, FASTEST, PLACES).tolist() for sign in (-1, 1)}
+        places |= {sign * size for size in np.geomspace(SLOWEST, FASTEST, PLACES).tolist() for sign in (-1, 1)}
     ordered = sorted(places)
     reach = 1e3 * max(1.0, *map(abs, ordered))
-    found: list[float] = []
+    speeds: list[float] = []
     level: list[float] = []
     for low, high in itertools.pairwise((-reach, *ordered, reach)):
         # Just inside the ends, as the torque may jump at both.
@@ -86,18 +86,18 @@ def roots_along(laws: Sequence[MotionLaw], factors: Sequence[float], wanted: flo
         if start == 0 and end == 0:
             level.append(low + inside if low >= 0 else high - inside)
         elif start == 0:
-            found.append(low + inside)
+            speeds.append(low + inside)
         elif start * end < 0:
-            found.append(float(brentq(over, low + inside, high - inside, xtol=1e-300, rtol=1e-14)))
+            speeds.append(float(brentq(over, low + inside, high - inside, xtol=1e-300, rtol=1e-14)))
     for place in ordered:  # at a step the torque takes every value between those beside it
         low, high = _range_at(laws, factors, place)
-        if low <= wanted <= high and not any(_is_near(place, one) for one in found):
-            found.append(place)
-    return sorted(found) or level  # of a level piece, in balance at any speed, the place next to zero
+        if low <= wanted <= high and not any(_is_near(place, near) for near in speeds):
+            speeds.append(place)
+    return sorted(speeds) or level  # of a level piece, in balance at any speed, the place next to zero
 
 
-def _is_near(one: float, other: float) -> bool:
-    return abs(one - other) <= NEAR * max(abs(one), abs(other), SLOWEST)
+def _is_near(speed: float, other: float) -> bool:
+    return abs(speed - other) <= NEAR * max(abs(speed), abs(other), SLOWEST)
 
 
 def _range_at(laws: Sequence[MotionLaw], factors: Sequence[float], speed: float) -> tuple[float, float]:
@@ -122,20 +122,20 @@ def states_at_speed(
     laws: Sequence[PlacedMotionLaw], factors: Sequence[float], wanted: float, speed: float
 ) -> dict[PlacedMotionLaw, LawSpeed]:
     """States of laws at a speed in rad/s; those that stick share what the others leave, each within its range."""
-    found = {
-        one: LawSpeed(state := state_at(one.law, factor * speed), float(one.law.torque(0.0, state.rate)))
-        for one, factor in zip(laws, factors, strict=True)
+    speeds = {
+        law: LawSpeed(state := state_at(law.law, factor * speed), float(law.law.torque(0.0, state.rate)))
+        for law, factor in zip(laws, factors, strict=True)
     }
-    held = {one: factor for one, factor in zip(laws, factors, strict=True) if one.law.curve.holds(found[one].state)}
+    held = {law: factor for law, factor in zip(laws, factors, strict=True) if law.law.curve.holds(speeds[law].state)}
     if held:
-        others = ((one, factor) for one, factor in zip(laws, factors, strict=True) if one not in held)
+        others = ((law, factor) for law, factor in zip(laws, factors, strict=True) if law not in held)
         # What those that slip leave to those that stick.
-        rest = wanted - sum(factor * found[one].torque for one, factor in others)
+        rest = wanted - sum(factor * speeds[law].torque for law, factor in others)
         rows = np.array([[factor] for factor in held.values()])
-        torques = shared_by_sticking([one.law for one in held], rows, np.array([rest]))
+        torques = shared_by_sticking([law.law for law in held], rows, np.array([rest]))
         if torques is not None:
-            found |= {one: replace(found[one], torque=torque) for one, torque in zip(held, torques, strict=True)}
-    return found
+            speeds |= {law: replace(speeds[law], torque=torque) for law, torque in zip(held, torques, strict=True)}
+    return speeds
 
 
 def shared_by_sticking(laws: Sequence[MotionLaw], rows: FloatArray, torques: FloatArray) -> list[float] | None:
@@ -148,19 +148,19 @@ def shared_by_sticking(laws: Sequence[MotionLaw], rows: FloatArray, torques: Flo
     ranges = np.array([sticking_range(law) for law in laws]).T
     size = max(float(np.abs(torques).max(initial=0.0)), float(np.abs(ranges).max(initial=0.0)))
     if (ranges[0] <= least).all() and (least <= ranges[1]).all():
-        found = least
+        shared = least
     else:
         from scipy.optimize import lsq_linear
 
         wide = ranges[1] > ranges[0]
         held = np.where(wide, 0.0, ranges[0])
-        found = held.copy()
+        shared = held.copy()
         if wide.any():
-            found[wide] = lsq_linear(
+            shared[wide] = lsq_linear(
                 rows[wide].T, torques - rows.T @ held, (ranges[0, wide], ranges[1, wide]), tol=NEAR**2
             ).x
-    enough = np.abs(rows.T @ found - torques).max(initial=0.0) <= NEAR * size
-    return found.tolist() if enough else None
+    enough = np.abs(rows.T @ shared - torques).max(initial=0.0) <= NEAR * size
+    return shared.tolist() if enough else None
 
 
 def sticking_range(law: MotionLaw) -> tuple[float, float]:
@@ -175,7 +175,7 @@ def sticking_range(law: MotionLaw) -> tuple[float, float]:
 def beyond_reach(law: MotionLaw, torque: float) -> str:
     """Message that no rate gives a torque in N m, with the largest and smallest torque of the law."""
     places = [float(corner) for corner in law.curve.corners()] or [
-        sign * one for one in np.geomspace(SLOWEST, FASTEST, PLACES).tolist() for sign in (-1, 1)
+        sign * rate for rate in np.geomspace(SLOWEST, FASTEST, PLACES).tolist() for sign in (-1, 1)
     ]
     torques = [torque_at(law, place) for place in places] + [0.0]
     for piece in law.curve.pieces if isinstance(law.curve, PieceCurve) else ():
@@ -208,14 +208,16 @@ def returns_to_speeds(
             row = free_row(network, law.row)
             inertia += float(law.inertia) * np.outer(row, row)
     stuck = []
-    for one, speed in laws.items():
-        if one.law.curve.holds(speed.state):
-            stuck.append(rows[one])
+    for placed, speed in laws.items():
+        if placed.law.curve.holds(speed.state):
+            stuck.append(rows[placed])
         else:
-            _, slope, *others = (float(one.law.scale) * float(slope) for slope in one.law.curve.slopes(speed.state))
-            damping += slope * np.outer(rows[one], rows[one])
-            for sensed, share in zip(one.law.sensed, others, strict=True):
-                damping += share * np.outer(rows[one], free_row(network, sensed))
+            _, slope, *others = (
+                float(placed.law.scale) * float(slope) for slope in placed.law.curve.slopes(speed.state)
+            )
+            damping += slope * np.outer(rows[placed], rows[placed])
+            for sensed, share in zip(placed.law.sensed, others, strict=True):
+                damping += share * np.outer(rows[placed], free_row(network, sensed))
     # Friction that sticks allows its row no motion.
     moving = null_space(np.array(stuck).reshape(len(stuck), n))
     inertia, damping = moving.T @ inertia @ moving, moving.T @ damping @ moving
@@ -235,24 +237,24 @@ def returns_to_twists(network: LawNetwork, states: Mapping[PlacedMotionLaw, Moti
     Steps hold their rows still; the stiffness of all other laws is positive on what is left.
     """
     slopes = {
-        one: float(one.rounded.scale) * float(one.law.curve.slopes(state)[0])
-        for one, state in states.items()
-        if not one.law.curve.holds(state)
+        law: float(law.rounded.scale) * float(law.law.curve.slopes(state)[0])
+        for law, state in states.items()
+        if not law.law.curve.holds(state)
     }
     if all(slope >= 0 for slope in slopes.values()):
         return True
     place = {name: number for number, name in enumerate(network.coordinates)}
 
     def row_of(row: Mapping[str, Any]) -> FloatArray:
-        found = np.zeros(len(place))
+        coefficients = np.zeros(len(place))
         for name, share in network.reduction.in_floats(exact_row(row)).items():
             if name in place:
-                found[place[name]] = share
-        return found
+                coefficients[place[name]] = share
+        return coefficients
 
     rows = [(row_of(law.row), float(law.stiffness)) for _, law in network.elastic]
-    rows += [(row_of(one.law.row), slope) for one, slope in slopes.items()]
-    held = [row_of(one.law.row) for one in states if one not in slopes]
+    rows += [(row_of(law.law.row), slope) for law, slope in slopes.items()]
+    held = [row_of(law.law.row) for law in states if law not in slopes]
     moving = null_space(np.array(held).reshape(len(held), len(place)))
     # The second derivative of the energy on the motions that steps leave free.
     stiffness = sum(size * np.outer(moving.T @ row, moving.T @ row) for row, size in rows)
@@ -262,8 +264,8 @@ def returns_to_twists(network: LawNetwork, states: Mapping[PlacedMotionLaw, Moti
 
 def free_row(network: LawNetwork, row: Mapping[str, Any]) -> FloatArray:
     """Coefficients (n_free,) of a row of node angles over the free motions."""
-    found = network.free.in_floats(exact_row(row))
-    return np.array([found.get(name, 0.0) for name in network.free_motions])
+    shares = network.free.in_floats(exact_row(row))
+    return np.array([shares.get(name, 0.0) for name in network.free_motions])
 
 
 def null_space(matrix: FloatArray) -> FloatArray:

@@ -72,9 +72,9 @@ class SteadySpeeds:
     def slipping(self) -> dict[str, float]:
         """Slip in rad/s by element of friction that slips."""
         return {
-            one.owner: speed.state.rate
-            for one, speed in self.laws.items()
-            if sticks(one.law) and not one.law.curve.holds(speed.state)
+            law.owner: speed.state.rate
+            for law, speed in self.laws.items()
+            if sticks(law.law) and not law.law.curve.holds(speed.state)
         }
 
 
@@ -113,10 +113,10 @@ class _Motions:
         place = {name: number for number, name in enumerate(network.free_motions)}
 
         def row_of(row: Mapping[str, Any]) -> FloatArray:
-            found = np.zeros(len(place))
+            coefficients = np.zeros(len(place))
             for name, share in network.free.in_floats(exact_row(row)).items():
-                found[place[name]] = share
-            return found
+                coefficients[place[name]] = share
+            return coefficients
 
         nodes = {*external, *given}
         shares = {node: row_of({node: 1}) for node in network.nodes if node in nodes or len(network.over_rate)}
@@ -129,14 +129,14 @@ class _Motions:
         # Free motions of least length that have the speeds given, and the projection on what these fix.
         back = np.linalg.pinv(matrix)
         asked = back @ np.array([given[node] for node in known])
-        rows = {one: row_of(one.law.row) for one in network.over_rate}
-        found = cls(network, external, title, shares, torques, sizes, rows, asked, back @ matrix)
-        balanced = found._is_balanced(torques)
+        rows = {law: row_of(law.law.row) for law in network.over_rate}
+        motions = cls(network, external, title, shares, torques, sizes, rows, asked, back @ matrix)
+        balanced = motions._is_balanced(torques)
         if balanced and not rows:
-            return found
-        resisting = {one: row_of(one.law.row) for one in network.dampers}
-        rows |= {one: row for one, row in resisting.items() if not (balanced and found._is_asked(row))}
-        return replace(found, shares={node: row_of({node: 1}) for node in network.nodes}, rows=rows)
+            return motions
+        resisting = {damper: row_of(damper.law.row) for damper in network.dampers}
+        rows |= {damper: row for damper, row in resisting.items() if not (balanced and motions._is_asked(row))}
+        return replace(motions, shares={node: row_of({node: 1}) for node in network.nodes}, rows=rows)
 
     def _is_asked(self, row: FloatArray) -> bool:
         """Whether given speeds determine the motion of a row."""
@@ -148,39 +148,39 @@ class _Motions:
         """Steady motions, by rising rates."""
         fixed = dict(self._fixed())
         torques = self.torques - sum(
-            (self.rows[one] * speed.torque for one, speed in fixed.items() if speed.counts),
+            (self.rows[law] * speed.torque for law, speed in fixed.items() if speed.counts),
             start=np.zeros_like(self.torques),
         )
-        left = [one for one in self.rows if one not in fixed]
+        left = [law for law in self.rows if law not in fixed]
         if not left:
             return [self._motion(fixed, self._require_balance(torques, fixed))]
-        rows = np.array([self.rows[one] for one in left])
+        rows = np.array([self.rows[law] for law in left])
         # f = sum_l r_l T_l, with the least torques where several laws share a motion.
         least, *_ = np.linalg.lstsq(rows.T, torques, rcond=None)
         needed = np.array([float(f"{torque:.{DIGITS}g}") for torque in least.tolist()])
         over = self._require_balance(torques - rows.T @ needed, fixed)
-        return [self._motion({**fixed, **one}, over) for one in self._solutions(left, rows, needed)]
+        return [self._motion({**fixed, **states}, over) for states in self._solutions(left, rows, needed)]
 
     def _fixed(self) -> Iterator[tuple[PlacedMotionLaw, LawSpeed]]:
         """Laws whose rate is known before any torque: by springs beside them, or by the speeds that are given."""
         balanced = self._is_balanced(self.torques)
-        for one, row in self.rows.items():
+        for law, row in self.rows.items():
             rate = float(row @ self.asked)
             if not row.any():
-                yield one, LawSpeed(state_at(one.law, 0.0), 0.0 if sticks(one.law) else torque_at(one.law, 0.0))
-            elif self._is_asked(row) and (rate or not sticks(one.law)):
-                own = [torque for node, torque in self.external.items() if torque and set(one.law.row) == {node}]
-                if own and balanced and not sticks(one.law):  # the torque stated there is that of the law
-                    share = float(next(iter(one.law.row.values())))
-                    yield one, LawSpeed(state_at(one.law, rate, self._sensed(one)), -own[0] / share, counts=False)
-                elif sticks(one.law) or one.law.sensed or not any(self.external.values()):
-                    state = state_at(one.law, rate, self._sensed(one))
-                    yield one, LawSpeed(state, float(one.law.torque(0.0, rate, *state.sensed)))
+                yield law, LawSpeed(state_at(law.law, 0.0), 0.0 if sticks(law.law) else torque_at(law.law, 0.0))
+            elif self._is_asked(row) and (rate or not sticks(law.law)):
+                own = [torque for node, torque in self.external.items() if torque and set(law.law.row) == {node}]
+                if own and balanced and not sticks(law.law):  # the torque stated there is that of the law
+                    share = float(next(iter(law.law.row.values())))
+                    yield law, LawSpeed(state_at(law.law, rate, self._sensed(law)), -own[0] / share, counts=False)
+                elif sticks(law.law) or law.law.sensed or not any(self.external.values()):
+                    state = state_at(law.law, rate, self._sensed(law))
+                    yield law, LawSpeed(state, float(law.law.torque(0.0, rate, *state.sensed)))
 
-    def _sensed(self, one: PlacedMotionLaw) -> tuple[float, ...]:
+    def _sensed(self, law: PlacedMotionLaw) -> tuple[float, ...]:
         return tuple(
             float(sum(float(share) * (self.shares[node] @ self.asked) for node, share in row.items()))
-            for row in one.law.sensed
+            for row in law.law.sensed
         )
 
     def _is_balanced(self, torques: FloatArray) -> bool:
@@ -194,8 +194,8 @@ class _Motions:
         name = self.network.free_motions[worst]
         acting = [f"{node} {torque:.6g} N*m" for node, torque in self.external.items() if torque]
         acting += [
-            f"{one.owner} {speed.torque:.6g} N*m against its slip of {speed.state.rate:.6g} rad/s"
-            for one, speed in fixed.items()
+            f"{law.owner} {speed.torque:.6g} N*m against its slip of {speed.state.rate:.6g} rad/s"
+            for law, speed in fixed.items()
             if speed.torque and speed.counts
         ]
         text = (
@@ -211,79 +211,79 @@ class _Motions:
         best, node = 0.0, ""
         for _, law in self.network.linear:
             if law.inertia != 0 and len(law.row) == 1 and not self.external.get(next(iter(law.row))):
-                one = next(iter(law.row))
-                share = self.network.free.in_floats({one: 1}).get(self.network.free_motions[motion], 0.0)
+                node_of_law = next(iter(law.row))
+                share = self.network.free.in_floats({node_of_law: 1}).get(self.network.free_motions[motion], 0.0)
                 if abs(share) * float(law.inertia) > best:
-                    best, node = abs(share) * float(law.inertia), f"{one}: {-torque / share:.6g} N*m"
+                    best, node = abs(share) * float(law.inertia), f"{node_of_law}: {-torque / share:.6g} N*m"
         return f'; give the torque of what is driven too, as "{node}"' if node else ""
 
     def _solutions(
         self, left: Sequence[PlacedMotionLaw], rows: FloatArray, needed: FloatArray
     ) -> Iterator[dict[PlacedMotionLaw, LawSpeed]]:
         """States of the laws whose rates are sought, in all combinations that are in balance."""
-        for one in left:
-            if one.law.sensed:
+        for law in left:
+            if law.law.sensed:
                 text = "its torque follows the speeds of its nodes; give these as speed={node: value, ...}"
-                raise ModelError([Fault(text, ("elements", one.owner), kind="no-solution")], self.title)
+                raise ModelError([Fault(text, ("elements", law.owner), kind="no-solution")], self.title)
         # Torques that laws could exchange; a law without a share in any has that of equilibrium alone.
         shared = null_space(rows.T)
         alone = [number for number in range(len(left)) if np.abs(shared[number]).max(initial=0.0) < ZERO_SHARE]
         others = [number for number in range(len(left)) if number not in alone]
         choices: list[list[dict[PlacedMotionLaw, LawSpeed]]] = []
         for number in alone:
-            one, torque = left[number], float(needed[number])
-            states = states_of_rate(one.law, torque)
+            law, torque = left[number], float(needed[number])
+            states = states_of_rate(law.law, torque)
             if not states:
                 raise ModelError(
-                    [Fault(beyond_reach(one.law, torque), ("elements", one.owner), kind="no-solution")], self.title
+                    [Fault(beyond_reach(law.law, torque), ("elements", law.owner), kind="no-solution")], self.title
                 )
-            choices.append([{one: LawSpeed(state, torque)} for state in states])
+            choices.append([{law: LawSpeed(state, torque)} for state in states])
         if others:
             some = [left[number] for number in others]
             together = rows[others].T @ needed[others]
             choices.append(list(self._together(some, rows[others], together)))
         if math.prod(map(len, choices)) > MOST_COMBINATIONS:
             # Of too many states friction takes those in which it sticks.
-            choices = [[one for one in some if any(map(_holds, one.items()))] or some for some in choices]
+            choices = [[choice for choice in some if any(map(_holds, choice.items()))] or some for some in choices]
         if math.prod(map(len, choices)) > MOST_COMBINATIONS:
-            names = ", ".join(dict.fromkeys(one.owner for one in left))
+            names = ", ".join(dict.fromkeys(law.owner for law in left))
             text = (
                 f"{names} have {math.prod(map(len, choices))} balances together; give speeds as speed={{node: value}}"
             )
             raise ModelError([Fault(text, ("operating_point", "speed"), kind="missing-entry")], self.title)
         for some_states in itertools.product(*choices):
-            yield {one: speed for part in some_states for one, speed in part.items()}
+            yield {law: speed for part in some_states for law, speed in part.items()}
 
     def _together(
         self, laws: Sequence[PlacedMotionLaw], rows: FloatArray, torques: FloatArray
     ) -> Iterator[dict[PlacedMotionLaw, LawSpeed]]:
         """States of laws that share a torque: along one motion all of them, else those that stick."""
-        names = ", ".join(dict.fromkeys(one.owner for one in laws))
+        names = ", ".join(dict.fromkeys(law.owner for law in laws))
         if np.linalg.matrix_rank(rows) > 1:
             against = list(self._against_dampers(laws, rows, torques))
             if against:
                 yield from against
                 return
-            held = shared_by_sticking([one.law for one in laws], rows, torques)
-            if held is None or not all(sticks(one.law) for one in laws):
+            held = shared_by_sticking([law.law for law in laws], rows, torques)
+            if held is None or not all(sticks(law.law) for law in laws):
                 text = (
                     f"{names} share the mean torques at more than one speed; give these as speed={{node: value, ...}}"
                 )
                 raise ModelError([Fault(text, ("elements", laws[0].owner), kind="no-solution")], self.title)
-            yield {one: LawSpeed(state_at(one.law, 0.0), torque) for one, torque in zip(laws, held, strict=True)}
+            yield {law: LawSpeed(state_at(law.law, 0.0), torque) for law, torque in zip(laws, held, strict=True)}
             return
         # All laws act along one motion, so that one speed is sought.
         motion = rows[int(np.argmax(np.abs(rows).max(axis=1)))]
         motion = motion / np.linalg.norm(motion)
         factors, wanted = (rows @ motion).tolist(), float(torques @ motion)
-        found = [
+        balances = [
             states_at_speed(laws, factors, wanted, speed)
-            for speed in roots_along([one.law for one in laws], factors, wanted)
+            for speed in roots_along([law.law for law in laws], factors, wanted)
         ]
-        if not found:
+        if not balances:
             text = f"the mean torques leave {wanted:.4g} N*m for {names}, which no speed of them gives"
             raise ModelError([Fault(text, ("elements", laws[0].owner), kind="missing-entry")], self.title)
-        yield from [states for states in found if not any(map(_is_beyond, states.items()))] or found
+        yield from [states for states in balances if not any(map(_is_beyond, states.items()))] or balances
 
     def _against_dampers(
         self, laws: Sequence[PlacedMotionLaw], rows: FloatArray, torques: FloatArray
@@ -292,8 +292,8 @@ class _Motions:
 
         That leaves T(g) + g/s = r^T D^-1 f/s, s = r^T D^-1 r, of which all roots are taken.
         """
-        linear = np.array([one in self.network.dampers for one in laws])
-        D = (rows[linear].T * [one.law.curve.slopes(AT_REST)[1] for one in laws if one in self.network.dampers]) @ rows[
+        linear = np.array([law in self.network.dampers for law in laws])
+        D = (rows[linear].T * [law.law.curve.slopes(AT_REST)[1] for law in laws if law in self.network.dampers]) @ rows[
             linear
         ]
         if np.count_nonzero(~linear) > 1 or np.linalg.matrix_rank(D) < np.linalg.matrix_rank(rows):
@@ -301,7 +301,7 @@ class _Motions:
         back = np.linalg.pinv(D)
         motions = [(back @ torques, 0.0)]
         if not linear.all():
-            (row,), (bent,) = rows[~linear], [one for one in laws if one not in self.network.dampers]
+            (row,), (bent,) = rows[~linear], [law for law in laws if law not in self.network.dampers]
             s, free = float(row @ back @ row), float(row @ back @ torques)
             # The network of dampers acts on the bent law as one damper 1/s would, driven by free/s.
             path = MotionLaw(bent.law.row, PieceCurve("rate", (Slope(damping=1 / s),)))
@@ -310,14 +310,14 @@ class _Motions:
         for motion, torque in motions:
             rates = (rows @ motion).tolist()
             yield {
-                one: LawSpeed(state := state_at(one.law, rate), torque_at(one.law, state.rate) if damps else torque)
-                for one, rate, damps in zip(laws, rates, linear.tolist(), strict=True)
+                law: LawSpeed(state := state_at(law.law, rate), torque_at(law.law, state.rate) if damps else torque)
+                for law, rate, damps in zip(laws, rates, linear.tolist(), strict=True)
             }
 
     def _motion(self, laws: Mapping[PlacedMotionLaw, LawSpeed], left_over: FloatArray) -> SteadySpeeds:
-        solved = [one for one in laws if self.rows[one].any()]
-        rows = np.array([self.rows[one] for one in solved]).reshape(len(solved), len(self.torques))
-        rates = np.array([laws[one].state.rate for one in solved])
+        solved = [law for law in laws if self.rows[law].any()]
+        rows = np.array([self.rows[law] for law in solved]).reshape(len(solved), len(self.torques))
+        rates = np.array([laws[law].state.rate for law in solved])
         # The least change of the speeds given that has the rates found.
         motion = self.asked + np.linalg.pinv(rows) @ (rates - rows @ self.asked)
         both = np.concatenate([rows, self.directions])

@@ -67,18 +67,19 @@ def monotone_graph(law: MotionLaw, ramp: float) -> MonotoneGraph:
     curve, scale = law.curve, float(law.scale)
     if not isinstance(curve, PieceCurve):
         return MonotoneGraph(law)
-    stiffest = max((float(one.stiffness) for one in curve.pieces if isinstance(one, Slope)), default=0.0) or 1.0
+    stiffest = max((float(piece.stiffness) for piece in curve.pieces if isinstance(piece, Slope)), default=0.0) or 1.0
     places: list[float] = []
     slopes: list[float] = []
     torques: list[float] = []
     # Half the width of the ramp in place of a step: its height over the stiffness, less than its neighbours have.
     halves = [
         min(
-            (float(one.high) - float(one.low)) / (2 * ramp * stiffest), _quarter(curve.pieces[max(0, number - 1) :][:3])
+            (float(piece.high) - float(piece.low)) / (2 * ramp * stiffest),
+            _quarter(curve.pieces[max(0, number - 1) :][:3]),
         )
-        if isinstance(one, Hold)
+        if isinstance(piece, Hold)
         else 0.0
-        for number, one in enumerate(curve.pieces)
+        for number, piece in enumerate(curve.pieces)
     ]
     for number, piece in enumerate(curve.pieces):
         slopes.append(scale * float(piece.stiffness) if isinstance(piece, Slope) else scale * ramp * stiffest)
@@ -92,16 +93,16 @@ def monotone_graph(law: MotionLaw, ramp: float) -> MonotoneGraph:
         torques.append(scale * float(line.at(places[-1], 0.0)))
     for number, piece in enumerate(curve.pieces):  # a ramp joins the lines beside it
         if isinstance(piece, Hold) and 0 < number < len(places):
-            rise, width = (found[number] - found[number - 1] for found in (torques, places))
+            rise, width = (ends[number] - ends[number - 1] for ends in (torques, places))
             slopes[number] = rise / width
     if not places:
-        torques = [scale * float(one.torque) for one in curve.pieces if isinstance(one, Slope)]
+        torques = [scale * float(piece.torque) for piece in curve.pieces if isinstance(piece, Slope)]
     return MonotoneGraph(law, tuple(places), tuple(torques), tuple(slopes))
 
 
 def _quarter(around: Sequence[Slope | Hold]) -> float:
     """Quarter of the shortest of some pieces in rad, more than which no ramp takes from them."""
-    ends = [(one.lower, one.upper) for one in around if isinstance(one, Slope)]
+    ends = [(piece.lower, piece.upper) for piece in around if isinstance(piece, Slope)]
     return min((float(upper - lower) / 4 for lower, upper in ends if None not in (lower, upper)), default=math.inf)
 
 
@@ -218,7 +219,7 @@ def twist_balance(network: LawNetwork, external: Mapping[str, float]) -> TwistBa
         exact = search.in_pieces(q)
         if exact is not None:
             return exact
-    names = ", ".join(dict.fromkeys(one.owner for one in network.over_twist))
+    names = ", ".join(dict.fromkeys(law.owner for law in network.over_twist))
     raise SolveError(f"no balance of the mean torques was found at the laws of motion of {names}", kind="no-solution")
 
 
@@ -248,16 +249,16 @@ class _Search:
         springs = [law for _, law in network.elastic]
         rows = row_matrix([network.reduction.in_floats(exact_row(law.row)) for law in springs], place)
         sizes = np.array([_stiffness_at_rest(law) for law in springs])
-        laws = [one.law for one in network.over_twist]
+        laws = [law.law for law in network.over_twist]
         own = row_matrix([network.reduction.in_floats(exact_row(law.row)) for law in laws], place)
-        graphs = tuple(monotone_graph(one.rounded, ramp) for one in network.over_twist)
+        graphs = tuple(monotone_graph(law.rounded, ramp) for law in network.over_twist)
         floors = np.array([LEAST_SLOPE * (graph.stiffest or 1.0) for graph in graphs])
         return cls(gram(rows, sizes), own, torques, graphs, floors)
 
     def _laws(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Torques in N m and slopes in N m/rad of all laws."""
         pairs = [graph.at(twist) for graph, twist in zip(self.graphs, (self.rows @ q).tolist(), strict=True)]
-        return np.array([one for one, _ in pairs]), np.array([slope for _, slope in pairs])
+        return np.array([torque for torque, _ in pairs]), np.array([slope for _, slope in pairs])
 
     def _left(self, q: FloatArray, load: float) -> tuple[FloatArray, FloatArray, float]:
         """Residual torques on the coordinates, slopes of the laws, and the residual that counts as none."""
@@ -313,26 +314,26 @@ class _Search:
             None if number is None or not isinstance(graph.law.curve, PieceCurve) else graph.law.curve.pieces[number]
             for graph, number in zip(self.graphs, numbers, strict=True)
         ]
-        held = [place for place, one in enumerate(pieces) if isinstance(one, Hold)]
-        places = [float(one.at) for one in pieces if isinstance(one, Hold)]
-        torques, found = np.zeros(len(pieces)), np.concatenate([q, np.zeros(len(held))])
+        held = [place for place, piece in enumerate(pieces) if isinstance(piece, Hold)]
+        places = [float(piece.at) for piece in pieces if isinstance(piece, Hold)]
+        torques, unknowns = np.zeros(len(pieces)), np.concatenate([q, np.zeros(len(held))])
         for _ in range(MOST_STEPS):
             # Lines of the pieces in force: T_l = begun + slope gamma, and of steps b_l q = place as constraints.
-            lines = [_line(*one) for one in zip(self.graphs, pieces, twists.tolist(), strict=True)]
+            lines = [_line(*parts) for parts in zip(self.graphs, pieces, twists.tolist(), strict=True)]
             begun, slopes = (np.array([line[part] for line in lines]) for part in (0, 1))
             matrix = bordered(self.stiffness + gram(rows, slopes), rows[held])
             sloping = bordered(self.stiffness + gram(rows, np.maximum(slopes, self.floors)), rows[held])
             right = np.concatenate([self.torques - rows.T @ begun, places])
             for _ in range(CORRECTIONS):  # what level pieces leave open stays where it is
-                found = found + solution(sloping, right - matrix @ found)
-            size = (abs(matrix) @ np.abs(found) + np.abs(right)).max(initial=0.0)
-            if not np.abs(matrix @ found - right).max(initial=0.0) <= SMALL_RESIDUAL * size:
+                unknowns = unknowns + solution(sloping, right - matrix @ unknowns)
+            size = (abs(matrix) @ np.abs(unknowns) + np.abs(right)).max(initial=0.0)
+            if not np.abs(matrix @ unknowns - right).max(initial=0.0) <= SMALL_RESIDUAL * size:
                 return None
-            before, twists = twists, rows @ found[:n]
+            before, twists = twists, rows @ unknowns[:n]
             torques = begun + slopes * twists
-            torques[held] = found[n:]
+            torques[held] = unknowns[n:]
             twists[held] = places
-            if all(one is not None for one in pieces) or (
+            if all(piece is not None for piece in pieces) or (
                 np.abs(twists - before).max(initial=0.0) <= SETTLED * np.abs(twists).max(initial=0.0)
             ):
                 break

@@ -79,19 +79,19 @@ def smooth_form(form: ContactForm, at: Layout, laws: Sequence[SmoothLaw], places
     # y' = take A z, with z = Z_y y + Z_u u + Z_s u'
     rates = take @ form.A
     angles, speeds, _ = form.motion
-    motions = tuple(np.vstack([one.row @ angles, one.row @ speeds, one.sensed @ speeds]) for one in laws)
-    prompt = [place for place, one in zip(places, laws, strict=True) if not one.lag]
+    motions = tuple(np.vstack([law.row @ angles, law.row @ speeds, law.sensed @ speeds]) for law in laws)
+    prompt = [place for place, law in zip(places, laws, strict=True) if not law.lag]
     # Largest acceleration that a torque of 1 N m gives to a coordinate.
     felt = max(1e-300, float(np.abs(form.motion[2][:, at.u]).max(initial=0.0)))
-    for one, rows in zip(laws, motions, strict=True):
-        used = rows[1:] if one.over_rate else rows[:1]
-        if one.lag:
+    for law, rows in zip(laws, motions, strict=True):
+        used = rows[1:] if law.over_rate else rows[:1]
+        if law.lag:
             continue
         # What prompt torques change at once in the motion that a law follows has to be nothing.
         at_once = np.hstack([used @ over_u[:, prompt], used @ over_s[:, prompt]])
         if np.abs(at_once).max(initial=0.0) > FEEDBACK * felt:
             text = "its torque acts where nothing has inertia, so that its motion follows from a curve alone"
-            raise UsageError(f"{one.owner}: {text}; give the node an inertia", kind="indeterminate-motion")
+            raise UsageError(f"{law.owner}: {text}; give the node an inertia", kind="indeterminate-motion")
     return SmoothForm(form, rates @ over_y, rates @ over_u, rates @ over_s, over_y, over_u, over_s, take, motions)
 
 
@@ -164,11 +164,11 @@ def _readings(
     """Rows (n_out, N) of the readings, in which the torques of smooth laws stand in u."""
     plant, at = states.plant, states.at
     torques, ones = list(bare.torques), np.eye(at.size)[at.u]
-    for place, one in zip(places, laws, strict=True):
-        if one.held >= 0:
-            torques[one.held] = torques[one.held] + ones[place]
-    mine = [(place, one) for place, one in zip(places, laws, strict=True) if one.held < 0]
-    rows = (LawRow(one.owner, one.law, one.number, one.row) for _, one in mine)
+    for place, smooth in zip(places, laws, strict=True):
+        if smooth.held >= 0:
+            torques[smooth.held] = torques[smooth.held] + ones[place]
+    mine = [(place, smooth) for place, smooth in zip(places, laws, strict=True) if smooth.held < 0]
+    rows = (LawRow(smooth.owner, smooth.law, smooth.number, smooth.row) for _, smooth in mine)
     whole = replace(plant, laws=(*plant.laws, *rows))
     read = replace(bare, torques=np.array([*torques, *(ones[place] for place, _ in mine)]).reshape(-1, at.size))
     return reading_rows(whole, readings, inputs, read, at)
@@ -180,35 +180,35 @@ def _powers(
 ) -> Powers:  # fmt: skip
     """Powers of dampers, of laws of motion, of controllers and of torques from outside."""
     plant, at, bare = states.plant, states.at, form.form
-    found: list[tuple[FloatArray, FloatArray, float, str]] = []
-    system, speed, one = plant.assembly.system, bare.motion[1], np.eye(at.size)[at.one]
+    powers: list[tuple[FloatArray, FloatArray, float, str]] = []
+    system, speed, steady = plant.assembly.system, bare.motion[1], np.eye(at.size)[at.one]
     # c gamma'^2 of dampers, T gamma' of laws over the rate, and what contacts lose.
     for number, law in enumerate(plant.assembly.laws):
         if system.damping[number] and not isinstance(law, PlacedLaw):
             rate = system.rows[number] @ speed
-            found.append((rate, rate, float(system.damping[number]), plant.assembly.owners[number]))
+            powers.append((rate, rate, float(system.damping[number]), plant.assembly.owners[number]))
     for number, (law_of, place) in enumerate(zip(states.laws, contact, strict=True)):
         phase, rate = law_of.phases[place], bare.rates[number]
         if law_of.over_rate:
-            found.append((bare.torques[number], rate, 1.0, law_of.owner))
+            powers.append((bare.torques[number], rate, 1.0, law_of.owner))
         elif phase.kind == "free":
-            found.append((phase.torque * one + phase.stiffness * bare.twists[number], rate, -1.0, law_of.owner))
+            powers.append((phase.torque * steady + phase.stiffness * bare.twists[number], rate, -1.0, law_of.owner))
         elif phase.sense:
-            found.append((bare.torques[number], rate, 1.0, law_of.owner))
+            powers.append((bare.torques[number], rate, 1.0, law_of.owner))
         elif phase.kind == "slope" and phase.damping:
-            found.append((rate, rate, phase.damping, law_of.owner))
+            powers.append((rate, rate, phase.damping, law_of.owner))
     ones = np.eye(at.size)[at.u]
     for place, smooth in zip(places, laws, strict=True):
         if smooth.over_rate:
-            found.append((ones[place], smooth.row @ speed, 1.0, smooth.owner))
+            powers.append((ones[place], smooth.row @ speed, 1.0, smooth.owner))
         elif smooth.number < 0:  # the torque on the row is -u
-            found.append((ones[place], smooth.row @ speed, -1.0, ""))
+            powers.append((ones[place], smooth.row @ speed, -1.0, ""))
     columns = states.drive.columns[:, :n_in].T
-    found += [(row, column @ speed, 1.0, "") for row, column in zip(bare.inputs, columns, strict=False)]
+    powers += [(row, column @ speed, 1.0, "") for row, column in zip(bare.inputs, columns, strict=False)]
     for action, torque in zip(plant.actions, bare.act, strict=True):
-        found.append((torque, action.row @ speed, 1.0, ""))
-    firsts, seconds = (np.array([one[side] for one in found]).reshape(-1, at.size) for side in (0, 1))
-    return Powers(firsts, seconds, np.array([one[2] for one in found]), tuple(one[3] for one in found))
+        powers.append((torque, action.row @ speed, 1.0, ""))
+    firsts, seconds = (np.array([power[side] for power in powers]).reshape(-1, at.size) for side in (0, 1))
+    return Powers(firsts, seconds, np.array([power[2] for power in powers]), tuple(power[3] for power in powers))
 
 
 MOST_CONTACTS = 256
@@ -226,16 +226,16 @@ class SmoothPlant:
         columns = np.array([plant.assembly.rows_of(channel.row)[0] for channel in inputs]).reshape(len(inputs), -1).T
         n_q = len(columns)
         n_in = columns.shape[1]
-        own = -np.array([one.row for one in split.smooth]).reshape(-1, n_q).T
+        own = -np.array([smooth.row for smooth in split.smooth]).reshape(-1, n_q).T
         self.first_scale = n_in + len(split.smooth)
-        scale_of = tuple(-1 if one < 0 else self.first_scale + one for one in split.scale_of)
+        scale_of = tuple(-1 if scale < 0 else self.first_scale + scale for scale in split.scale_of)
         n_u = self.first_scale + len(split.scales)
         drive = Drive(np.hstack([columns, own]), scale_of, len(split.scales), np.zeros((0, 0)), np.zeros((n_u, 0)))
-        self.at = Layout(n_q, sum(len(one.F) for one in plant.actions), 0, n_u)
+        self.at = Layout(n_q, sum(len(action.F) for action in plant.actions), 0, n_u)
         self.states = ContactStates(plant, split.phases, drive, self.at, relative=True)
         self.outside = np.array([*range(n_in), *range(self.first_scale, n_u)], dtype=int)
         self.places = list(range(n_in, self.first_scale))
-        self.lagging = [number for number, one in enumerate(split.smooth) if one.lag > 0]
+        self.lagging = [number for number, smooth in enumerate(split.smooth) if smooth.lag > 0]
         self._known: dict[Contact, SmoothContact] = {}
         self._forces: dict[Contact, tuple[SmoothLaw, ...]] = {}
 
@@ -251,8 +251,8 @@ class SmoothPlant:
 
     def first_contact(self, z: FloatArray) -> Contact:
         """Contact state of a motion that begins at z."""
-        rows = np.array([one.row for one in self.split.plant.laws]).reshape(-1, self.at.n_q)
-        scales = np.array([1.0 if one < 0 else z[self.at.u][one] for one in self.states.drive.scale_of])
+        rows = np.array([law.row for law in self.split.plant.laws]).reshape(-1, self.at.n_q)
+        scales = np.array([1.0 if scale < 0 else z[self.at.u][scale] for scale in self.states.drive.scale_of])
         first = self.states.at_start(rows @ z[self.at.q], rows @ z[self.at.v], scales)
         begun = relative_state(self.split.plant, self.at, z) / in_steps(self.at, self.states.h)
         return self.states.fixed(first, begun)
@@ -312,9 +312,9 @@ class SmoothPlant:
         form = now.form
         A, n = form.A, len(form.A)
         active = [
-            (place, one, rows @ form.over_y, rows @ form.over_u, rows @ form.over_s)
-            for place, one, rows in zip(self.places, self._in_force(now.contact), form.motions, strict=True)
-            if self._active(one, now.contact)
+            (place, law, rows @ form.over_y, rows @ form.over_u, rows @ form.over_s)
+            for place, law, rows in zip(self.places, self._in_force(now.contact), form.motions, strict=True)
+            if self._active(law, now.contact)
         ]
         at_once = [row for row in active if not row[1].lag]
         late = [row for row in active if row[1].lag]
@@ -327,12 +327,12 @@ class SmoothPlant:
             for row, torque in zip(late, y[n:].tolist(), strict=True):
                 u[row[0]] = torque
             try:
-                for place, one, over_y, over_u, over_s in at_once:
-                    u[place] = self._torque(one, over_y @ own + over_u @ u + over_s @ slopes, u)
+                for place, law, over_y, over_u, over_s in at_once:
+                    u[place] = self._torque(law, over_y @ own + over_u @ u + over_s @ slopes, u)
                 # A torque that lags: T' = (T_curve - T) / lag.
                 changes = [
-                    (self._torque(one, over_y @ own + over_u @ u + over_s @ slopes, u) - u[place]) / one.lag
-                    for place, one, over_y, over_u, over_s in late
+                    (self._torque(law, over_y @ own + over_u @ u + over_s @ slopes, u) - u[place]) / law.lag
+                    for place, law, over_y, over_u, over_s in late
                 ]
             except OverflowError:
                 # Where a torque begins the first trial step may be far too long: the method shortens what has no error.
@@ -350,26 +350,26 @@ class SmoothPlant:
         twists, rates = system.rows @ q, system.rows @ v
         linear = np.array([not isinstance(law, PlacedLaw) for law in plant.assembly.laws], dtype=bool)
         # sum of J gamma'^2 / 2 and k gamma^2 / 2 of linear laws; laws of motion add energies of their own.
-        found = 0.5 * float(system.inertia @ rates**2 + system.stiffness[linear] @ twists[linear] ** 2)
-        laws = [(one.law, one.row) for one in plant.laws]
-        laws += [(one.law, one.row) for one in self.split.smooth if one.held < 0]
-        found += sum(float(law.energy(float(row @ q))) for law, row in laws)
-        return found + sum(remembered_energies(self.states, now.contact, z).values())
+        energy = 0.5 * float(system.inertia @ rates**2 + system.stiffness[linear] @ twists[linear] ** 2)
+        laws = [(placed.law, placed.row) for placed in plant.laws]
+        laws += [(smooth.law, smooth.row) for smooth in self.split.smooth if smooth.held < 0]
+        energy += sum(float(law.energy(float(row @ q))) for law, row in laws)
+        return energy + sum(remembered_energies(self.states, now.contact, z).values())
 
     def rows_left(self, now: SmoothContact, z: FloatArray) -> tuple[str, str]:
         """Element whose motion at z lies beyond an end of its curve, and the message; both empty without one."""
-        for one, rows in zip(self.split.smooth, now.form.motions, strict=True):
+        for law, rows in zip(self.split.smooth, now.form.motions, strict=True):
             motion = rows @ z
-            message = one.left(float(motion[0]), motion[1:])
+            message = law.left(float(motion[0]), motion[1:])
             if message:
-                return one.owner, message
+                return law.owner, message
         return "", ""
 
     def quickest(self, now: SmoothContact, z: FloatArray) -> str:
         """Element of the smooth law whose motion at z is quickest."""
         sizes = [
-            (float(np.abs(rows @ z).max()), one.owner)
-            for one, rows in zip(self.split.smooth, now.form.motions, strict=True)
+            (float(np.abs(rows @ z).max()), law.owner)
+            for law, rows in zip(self.split.smooth, now.form.motions, strict=True)
         ]
         return max(sizes)[1] if sizes else "the drivetrain"
 
@@ -378,24 +378,24 @@ class SmoothPlant:
         if contact not in self._forces:
             if len(self._forces) >= MOST_CONTACTS:
                 self._forces.clear()
-            places = [None if one.held < 0 else self._phase(one, contact).place for one in self.split.smooth]
+            places = [None if law.held < 0 else self._phase(law, contact).place for law in self.split.smooth]
             self._forces[contact] = tuple(
-                one.on_piece(place) if place is not None and self._active(one, contact) else one
-                for one, place in zip(self.split.smooth, places, strict=True)
+                law.on_piece(place) if place is not None and self._active(law, contact) else law
+                for law, place in zip(self.split.smooth, places, strict=True)
             )
         return self._forces[contact]
 
-    def _phase(self, one: SmoothLaw, contact: Contact) -> Phase:
-        return self.states.laws[one.held].phases[contact[one.held]]
+    def _phase(self, law: SmoothLaw, contact: Contact) -> Phase:
+        return self.states.laws[law.held].phases[contact[law.held]]
 
-    def _active(self, one: SmoothLaw, contact: Contact) -> bool:
-        return one.held < 0 or self._phase(one, contact).kind == "slope"
+    def _active(self, law: SmoothLaw, contact: Contact) -> bool:
+        return law.held < 0 or self._phase(law, contact).kind == "slope"
 
-    def _scale(self, one: SmoothLaw, u: FloatArray) -> float:
-        return 1.0 if one.scale < 0 else float(u[self.first_scale + one.scale])
+    def _scale(self, law: SmoothLaw, u: FloatArray) -> float:
+        return 1.0 if law.scale < 0 else float(u[self.first_scale + law.scale])
 
-    def _torque(self, one: SmoothLaw, motion: FloatArray, u: FloatArray) -> float:
-        return one.torque(float(motion[0]), motion[1:], self._scale(one, u))
+    def _torque(self, law: SmoothLaw, motion: FloatArray, u: FloatArray) -> float:
+        return law.torque(float(motion[0]), motion[1:], self._scale(law, u))
 
     def _targets(self, motions: Sequence[FloatArray], u: FloatArray) -> FloatArray:
         return np.array([self._torque(self.split.smooth[number], motions[number], u) for number in self.lagging])
@@ -406,11 +406,11 @@ class SmoothPlant:
         for number, torque in zip(self.lagging, self.lags_in(y).tolist(), strict=True):
             u[self.places[number]] = torque
         motions = []
-        for place, one, rows in zip(self.places, self._in_force(now.contact), form.motions, strict=True):
+        for place, law, rows in zip(self.places, self._in_force(now.contact), form.motions, strict=True):
             motion = rows @ (form.over_y @ own + form.over_u @ u + form.over_s @ slopes)
             motions.append(motion)
-            if not one.lag and self._active(one, now.contact):
-                u[place] = self._torque(one, motion, u)
+            if not law.lag and self._active(law, now.contact):
+                u[place] = self._torque(law, motion, u)
         return motions
 
     def _bend(
@@ -419,14 +419,14 @@ class SmoothPlant:
     ) -> None:  # fmt: skip
         """Write the rates of change of the torques of the smooth laws, at accelerations (n_q,), into slopes (n_u,)."""
         late = iter(zip(self._targets(motions, u), self.lags_in(y), strict=True))
-        for place, one, motion in zip(self.places, self._in_force(now.contact), motions, strict=True):
-            if one.lag:
+        for place, law, motion in zip(self.places, self._in_force(now.contact), motions, strict=True):
+            if law.lag:
                 target, torque = next(late)
-                slopes[place] = (target - torque) / one.lag
-            elif self._active(one, now.contact):
-                rows = np.vstack([one.row, one.sensed])
-                slopes[place] = one.slope(float(motion[0]), motion[1:], rows @ bent, self._scale(one, u))
+                slopes[place] = (target - torque) / law.lag
+            elif self._active(law, now.contact):
+                rows = np.vstack([law.row, law.sensed])
+                slopes[place] = law.slope(float(motion[0]), motion[1:], rows @ bent, self._scale(law, u))
                 # (scale T)' has a part scale' T beside scale T'.
-                if one.scale >= 0:
-                    changed = float(slopes[self.first_scale + one.scale])
-                    slopes[place] += one.torque(float(motion[0]), motion[1:], changed)
+                if law.scale >= 0:
+                    changed = float(slopes[self.first_scale + law.scale])
+                    slopes[place] += law.torque(float(motion[0]), motion[1:], changed)

@@ -66,14 +66,14 @@ def first_event(values: FloatArray, sizes: FloatArray, guard_at: Callable[[int, 
     guard_at : callable
         Value of a guard at a place in the step.
     """
-    found, which = -1.0, -1
+    first, which = -1.0, -1
     # Between two nodes a guard is taken to dip by no more than it changes from node to node.
     swing = np.abs(np.diff(values, axis=1)).max(axis=1)
     for guard in np.flatnonzero(values.min(axis=1) <= swing + GUARD_ROUNDING * sizes).tolist():
         place = _first_root(values[guard], GUARD_ROUNDING * float(sizes[guard]), guard, guard_at)
-        if place >= 0 and (which < 0 or place < found):
-            found, which = place, guard
-    return found, which
+        if place >= 0 and (which < 0 or place < first):
+            first, which = place, guard
+    return first, which
 
 
 def _first_root(values: FloatArray, rounding: float, guard: int, guard_at: Callable[[int, float], float]) -> float:
@@ -82,8 +82,8 @@ def _first_root(values: FloatArray, rounding: float, guard: int, guard_at: Calla
     series = nodes()[2] @ values
     # Between its turning points the series is monotone, so that signs there tell each fall.
     turning = chebyshev.chebroots(chebyshev.chebder(series)) if np.abs(series[2:]).max() > 0 else np.zeros(0)
-    real = (one.real for one in np.atleast_1d(turning) if abs(one.imag) < 1e-6)
-    inside = sorted(float(one + 1) / 2 for one in real if -1 < one < 1)
+    real = (root.real for root in np.atleast_1d(turning) if abs(root.imag) < 1e-6)
+    inside = sorted(float(place + 1) / 2 for place in real if -1 < place < 1)
     last, positive = 0.0, values[0] > rounding
     for place in (*inside, 1.0):
         value = float(values[-1]) if place == 1.0 else float(chebyshev.chebval(2 * place - 1, series))
@@ -181,14 +181,14 @@ def slopes_of(right: Any, time: float, y: FloatArray) -> FloatArray:
            [-4.,  0.]])
     """
     base = right(time, y)
-    found = np.zeros((len(y), len(y)))
+    slopes = np.zeros((len(y), len(y)))
     # The root of eps in each state balances rounding against curvature.
     step = np.sqrt(np.finfo(float).eps) * np.maximum(np.abs(y), 1e-3 * np.abs(y).max(initial=0.0) + 1e-9)
     for number, size in enumerate(step.tolist()):
         moved = y.copy()
         moved[number] += size
-        found[:, number] = (right(time, moved) - base) / size
-    return found
+        slopes[:, number] = (right(time, moved) - base) / size
+    return slopes
 
 
 STORM_WINDOW, MOST_EVENTS = 64.0, 2_000
