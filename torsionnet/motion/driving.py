@@ -55,10 +55,10 @@ class Stretch:
         passed = times - self.start
         values = self.values[:, None] + self.slopes[:, None] * passed
         slopes = np.repeat(self.slopes[:, None], len(passed), axis=1)
-        for one in self.waves:
-            wave = one.amplitude * np.exp(one.exponent * passed)
-            values[one.entry] += wave.real
-            slopes[one.entry] += (one.exponent * wave).real
+        for source in self.waves:
+            wave = source.amplitude * np.exp(source.exponent * passed)
+            values[source.entry] += wave.real
+            slopes[source.entry] += (source.exponent * wave).real
         return values, slopes
 
 
@@ -81,12 +81,17 @@ class Driving:
     @property
     def first(self) -> FloatArray:
         """Values (n_u,) at the first sample."""
-        return np.array([_value(one, 0.0) for one in self.entries])
+        return np.array([_value(entry, 0.0) for entry in self.entries])
 
     @property
     def breaks(self) -> tuple[float, ...]:
         """Times in s within the duration at which a piece of a history begins."""
-        starts = {self._at_sample(at) for one in self.entries if not isinstance(one, np.ndarray) for at in one.breaks}
+        starts = {
+            self._at_sample(at)
+            for history in self.entries
+            if not isinstance(history, np.ndarray)
+            for at in history.breaks
+        }
         return tuple(sorted(start for start in starts if 0 < start < self.duration))
 
     def _at_sample(self, time: float) -> float:
@@ -97,22 +102,22 @@ class Driving:
     def straight(self, start: float, end: float) -> Stretch:
         """Stretch between two times in s with no break between them; samples give nothing to it."""
         values, slopes, waves = np.zeros(len(self.entries)), np.zeros(len(self.entries)), []
-        for entry, one in enumerate(self.entries):
-            if isinstance(one, np.ndarray):
+        for entry, course in enumerate(self.entries):
+            if isinstance(course, np.ndarray):
                 continue
-            piece = one.piece_at(start + SAMPLE_SLACK / self.rate).begun(start)
+            piece = course.piece_at(start + SAMPLE_SLACK / self.rate).begun(start)
             values[entry], slopes[entry] = piece.value, piece.slope
             waves += [DrivingWave(entry, wave.amplitude, wave.exponent) for wave in piece.waves]
         return Stretch(start, end, values, slopes, tuple(waves))
 
     def sampled(self, times: FloatArray) -> FloatArray:
         """Values (n_u, n_t) at times in s of the entries given by samples, 0 of the others."""
-        found = np.zeros((len(self.entries), len(times)))
+        values = np.zeros((len(self.entries), len(times)))
         places = times * self.rate
-        for entry, one in enumerate(self.entries):
-            if isinstance(one, np.ndarray):
-                found[entry] = np.interp(places, np.arange(self.n), one)
-        return found
+        for entry, course in enumerate(self.entries):
+            if isinstance(course, np.ndarray):
+                values[entry] = np.interp(places, np.arange(self.n), course)
+        return values
 
     def stretches(self) -> tuple[Stretch, ...]:
         """Stretches in which no entry has a break or a corner, from the first to the last sample."""
@@ -120,22 +125,24 @@ class Driving:
         if len(cuts) == 1:
             return ()
         at = self.sampled(np.array(cuts))
-        found = []
+        stretches = []
         # Lines and waves of histories, and the straight lines between samples as chords.
         for place, (start, end) in enumerate(pairwise(cuts)):
-            one = self.straight(start, end)
+            straight = self.straight(start, end)
             slopes = (at[:, place + 1] - at[:, place]) / (end - start)
-            found.append(Stretch(start, end, one.values + at[:, place], one.slopes + slopes, one.waves))
-        return tuple(found)
+            stretches.append(
+                Stretch(start, end, straight.values + at[:, place], straight.slopes + slopes, straight.waves)
+            )
+        return tuple(stretches)
 
     def _corners(self) -> set[float]:
         """Times in s of samples at which straight lines between samples meet at an angle."""
-        found: set[float] = set()
-        for one in self.entries:
-            if isinstance(one, np.ndarray) and len(one) > 2:
-                bent = np.abs(one[2:] - 2 * one[1:-1] + one[:-2]) > KINK * np.abs(one).max()
-                found.update(((np.flatnonzero(bent) + 1) / self.rate).tolist())
-        return found
+        corners: set[float] = set()
+        for course in self.entries:
+            if isinstance(course, np.ndarray) and len(course) > 2:
+                bent = np.abs(course[2:] - 2 * course[1:-1] + course[:-2]) > KINK * np.abs(course).max()
+                corners.update(((np.flatnonzero(bent) + 1) / self.rate).tolist())
+        return corners
 
 
 def _value(entry: FloatArray | TimeHistory, time: float) -> float:
@@ -169,8 +176,8 @@ def require_request(inputs: Mapping[str, Torque], rate: float, duration: float |
     if duration * rate > MOST_SAMPLES:
         text = f"{duration:g} s at {rate:g} Hz are more than {MOST_SAMPLES} samples"
         raise UsageError(f"{text}; give a lower rate or a shorter duration", kind="too-large")
-    listed = [one.values if isinstance(one, Signal) else one for one in inputs.values()]
-    lengths = {len(np.atleast_1d(one)) for one in listed if not isinstance(one, TimeHistory)}
+    listed = [torque.values if isinstance(torque, Signal) else torque for torque in inputs.values()]
+    lengths = {len(np.atleast_1d(values)) for values in listed if not isinstance(values, TimeHistory)}
     _one_length({*lengths, sample_count(duration, rate)})
 
 
@@ -189,15 +196,15 @@ def driving_of(
     UsageError
         Unlike lengths, numbers that are not finite, or histories without a duration.
     """
-    listed = {name: one for name, one in inputs.items() if not isinstance(one, TimeHistory)}
+    listed = {name: torque for name, torque in inputs.items() if not isinstance(torque, TimeHistory)}
     arrays = dict(zip(listed, torque_courses(listed).samples, strict=True)) if listed or not inputs else {}
-    lengths = {len(one) for one in arrays.values()}
+    lengths = {len(values) for values in arrays.values()}
     if duration is not None:
         lengths.add(sample_count(duration, rate))
     n = _one_length(lengths)
-    entries = [arrays.get(name, one) for name, one in inputs.items()]
+    entries = [arrays.get(name, torque) for name, torque in inputs.items()]
     driving = Driving((*entries, *scales.values()), rate, n)
-    torques = np.array([one.samples(rate, n) if isinstance(one, TimeHistory) else one for one in entries])
+    torques = np.array([course.samples(rate, n) if isinstance(course, TimeHistory) else course for course in entries])
     if not np.isfinite(torques).all():
         raise UsageError("the torques of a simulation are finite numbers in N m", kind="not-finite")
     return driving, torques
@@ -274,11 +281,13 @@ def held_load(drivetrain: AssembledModel, nodes: Container[str]) -> tuple[str, .
     if load is None:
         return ()
     # Their slopes follow the speed also where they are linear.
-    following = {getattr(one, "node", None) for one in drivetrain.definition.switched_on if one.has_motion_laws}
+    following = {
+        getattr(element, "node", None) for element in drivetrain.definition.switched_on if element.has_motion_laws
+    }
     held = [
         place
-        for place, one in load.by_place.items()
-        if (one.over_speed or one.torque_exponent)
+        for place, torque in load.by_place.items()
+        if (torque.over_speed or torque.torque_exponent)
         and any(node in nodes for node in torque_place(place).nodes)
         and torque_place(place).of not in following
     ]

@@ -74,48 +74,48 @@ def all_branches(
     From a ``state`` motions are simulated as well, at both ends and in the middle.
     """
     traced = TRACED if harmonics == "auto" else harmonics
-    found: list[FoundBranch] = []
+    branches: list[FoundBranch] = []
 
     def left() -> int:
-        return MOST_FOLLOWED - sum(len(one.branch.points) for one in found)
+        return MOST_FOLLOWED - sum(len(found.branch.points) for found in branches)
 
     middle = np.sqrt(low * high)
     for at in dict.fromkeys((high, low, middle)):
         for motion in from_rest(problem, at):
-            if not _known(found, motion):
+            if not _known(branches, motion):
                 most = max(left(), OWN)
-                found.append(_with_crossings(_both_ways(problem, motion, (low, high), traced, "from rest", most)))
+                branches.append(_with_crossings(_both_ways(problem, motion, (low, high), traced, "from rest", most)))
     for motion in _other_starts(problem, (middle, low, high), traced):
-        if left() > 0 and not _known(found, motion):
+        if left() > 0 and not _known(branches, motion):
             way = "from a start of another size, joined to no other"
-            found.append(_with_crossings(_both_ways(problem, motion, (low, high), traced, way, left())))
+            branches.append(_with_crossings(_both_ways(problem, motion, (low, high), traced, way, left())))
     for at in dict.fromkeys((high, low, middle)) if state is not None else ():
         for motion in from_simulation(problem, at, state or REST, subharmonics):
-            if not _known(found, motion):
+            if not _known(branches, motion):
                 own = problem.with_subharmonics(motion.subharmonics)
                 count = traced * motion.subharmonics
                 way = "from a simulated motion"
-                found.append(_with_crossings(_both_ways(own, motion, (low, high), count, way, max(left(), OWN))))
+                branches.append(_with_crossings(_both_ways(own, motion, (low, high), count, way, max(left(), OWN))))
     place, tried = 0, 0
-    while place < len(found):
-        one, unfollowed = found[place], []
-        for fork in one.forks:
+    while place < len(branches):
+        found, unfollowed = branches[place], []
+        for fork in found.forks:
             if fork.periods > subharmonics:
                 continue
             if (most := left() - tried) <= 0:
                 unfollowed.append(fork)
                 continue
             counts = [more * min(fork.periods, 2) * traced for more in (FINER if harmonics == "auto" else (1,))]
-            branch = _forked(one.problem, fork, (low, high), counts, most)
+            branch = _forked(found.problem, fork, (low, high), counts, most)
             if branch is None:
                 continue
-            if _known(found, branch.tracer.motion(branch.points[len(branch.points) // 2])):
+            if _known(branches, branch.tracer.motion(branch.points[len(branch.points) // 2])):
                 tried += len(branch.points)
             else:
-                found.append(replace(_with_crossings(branch), begins=fork))
-        found[place] = replace(one, unfollowed=tuple(unfollowed))
+                branches.append(replace(_with_crossings(branch), begins=fork))
+        branches[place] = replace(found, unfollowed=tuple(unfollowed))
         place += 1
-    return found
+    return branches
 
 
 def _with_crossings(branch: MotionBranch) -> FoundBranch:
@@ -123,22 +123,22 @@ def _with_crossings(branch: MotionBranch) -> FoundBranch:
     return FoundBranch(branch, forks, tuple(second_frequencies(branch)))
 
 
-def _known(found: list[FoundBranch], motion: PeriodicMotion) -> bool:
+def _known(branches: list[FoundBranch], motion: PeriodicMotion) -> bool:
     """Whether a motion lies on a branch."""
     return any(
         _alike(x, motion.x, NEAR)
-        and (other := one.problem.solve(motion.parameter, x)) is not None
+        and (other := branch.problem.solve(motion.parameter, x)) is not None
         and _alike(other.x, motion.x, SAME)
-        for one in found
-        if one.problem.subharmonics == motion.subharmonics
-        for x in one.branch.near(motion.parameter)
+        for branch in branches
+        if branch.problem.subharmonics == motion.subharmonics
+        for x in branch.branch.near(motion.parameter)
     )
 
 
 def _alike(first: ComplexArray, second: ComplexArray, share: float) -> bool:
     """Whether two motions differ by at most a share, but for a shift by periods of the torques."""
     count = max(len(first), len(second))
-    a, b = (np.abs(fitted(one, count - 1)) for one in (first, second))
+    a, b = (np.abs(fitted(motion, count - 1)) for motion in (first, second))
     return bool(np.abs(a - b).max() <= share * b.max())
 
 
@@ -162,7 +162,7 @@ def _both_ways(
         return MotionBranch(tracer, (), way)
     forth, back = parts[0], parts[-1] if len(parts) > 1 else parts[0][:1]
     # Backwards the tangents point the other way.
-    turned = [BranchPoint(one.p, one.u, -one.tangent, one.scale) for one in reversed(back[1:])]
+    turned = [BranchPoint(point.p, point.u, -point.tangent, point.scale) for point in reversed(back[1:])]
     return MotionBranch(tracer, (*turned, *forth), way, tuple(stops))
 
 

@@ -74,10 +74,10 @@ class Tracer:
 
     def first(self, parameter: float, x: ComplexArray, direction: float) -> BranchPoint | None:
         """Point at a parameter from a motion near it; the branch goes on with the parameter in ``direction``."""
-        found = self.problem.solve(parameter, fitted(x, self.harmonics), self.harmonics)
-        if found is None:
+        motion = self.problem.solve(parameter, fitted(x, self.harmonics), self.harmonics)
+        if motion is None:
             return None
-        u = packed(found.x)
+        u = packed(motion.x)
         scale = self.scale(u, parameter)
         across = np.zeros(len(u) + 1)
         across[-1] = direction
@@ -96,7 +96,7 @@ class Tracer:
         left, answers, torques = balance.residual(x)
         step = DIFFERENCE * (self.problem.parameter_scale or abs(parameter))
         moved = self.problem.balance(parameter + step, self.harmonics)
-        known = None if any(one.needs_rate for one in self.problem.forces) else torques
+        known = None if any(force.needs_rate for force in self.problem.forces) else torques
         further = moved.residual(x)[0] if known is None else moved.left(x, known)
         return packed(left), balance.slopes(answers), packed(further - left) / step
 
@@ -106,8 +106,8 @@ class Tracer:
         whole = np.vstack([np.hstack([J, slope[:, None]]) * scale, along])
         right = np.zeros(len(along))
         right[-1] = 1.0
-        found = np.linalg.solve(whole, right)
-        return np.asarray(found / np.linalg.norm(found))
+        tangent = np.linalg.solve(whole, right)
+        return np.asarray(tangent / np.linalg.norm(tangent))
 
     def step(self, point: BranchPoint, ds: float) -> tuple[BranchPoint, int] | None:
         """Point a length ds further, with the Newton steps that it took; None where these do not get there."""
@@ -140,16 +140,16 @@ class Tracer:
         ds, self.stopped = FIRST_STEP, ""
         for _ in range(most):
             while True:
-                found = self.step(point, ds)
-                if found is not None:
-                    moved = found[0].tangent * found[0].scale / point.scale
+                stepped = self.step(point, ds)
+                if stepped is not None:
+                    moved = stepped[0].tangent * stepped[0].scale / point.scale
                     if moved @ point.tangent >= BEND * np.linalg.norm(moved) or ds <= 100 * SHORTEST_STEP:
                         break
                 ds /= 2
                 if ds < SHORTEST_STEP:
                     self.stopped = "Newton's method finds no motion further on, however short the step"
                     return
-            point, count = found
+            point, count = stepped
             yield point
             if count <= FEW:
                 ds = min(1.5 * ds, LONGEST_STEP)
@@ -189,13 +189,13 @@ class MotionBranch:
 
     def folds(self) -> list[Fold]:
         """Motions at which the branch folds back, located with as many harmonics as they need."""
-        found = []
+        folds = []
         for before, after in pairwise(self.points):
             if before.turns * after.turns < 0:
                 fold = located_fold(self.tracer.problem, before, after, self.tracer.n_laws)
                 if fold is not None:
-                    found.append(fold)
-        return found
+                    folds.append(fold)
+        return folds
 
 
 def located_fold(problem: PeriodicProblem, before: BranchPoint, after: BranchPoint, n_laws: int) -> Fold | None:
@@ -224,18 +224,18 @@ def _turning_point(tracer: Tracer, start: BranchPoint, after: BranchPoint) -> Br
     chord = (np.append(packed(other), after.p) - np.append(start.u, start.p)) / start.scale
     length = float(chord @ start.tangent)
     for _ in range(20):
-        found = tracer.step(start, length)
-        if found is None:
+        stepped_on = tracer.step(start, length)
+        if stepped_on is None:
             length /= 2
             continue
-        if found[0].turns * start.turns < 0:
+        if stepped_on[0].turns * start.turns < 0:
             break
-        start, length = found[0], max(length, FIRST_STEP / 10)
+        start, length = stepped_on[0], max(length, FIRST_STEP / 10)
     else:
         return None
     a, b = 0.0, length
-    fa, fb = start.turns, found[0].turns
-    point = found[0]
+    fa, fb = start.turns, stepped_on[0].turns
+    point = stepped_on[0]
     for _ in range(40):
         c = (a * fb - b * fa) / (fb - fa)
         stepped = tracer.step(start, c)

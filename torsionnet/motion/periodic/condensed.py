@@ -86,15 +86,15 @@ class CondensedPlant:
         self._known: dict[tuple[float, range], Receptances] = {}
         floats = float_laws(drivetrain, self.placed)
         self.laws = tuple(
-            CondensedLaw(one.owner, floats[one.number], one.number, one.row, _reference(floats[one.number]))
-            for one in self.placed.laws
+            CondensedLaw(law.owner, floats[law.number], law.number, law.row, _reference(floats[law.number]))
+            for law in self.placed.laws
         )
         self._require_own_motion()
         n_q = self.assembly.system.n_coordinates
-        self.rows = np.array([one.row for one in self.laws]).reshape(len(self.laws), n_q)
-        self.references = np.array([one.reference for one in self.laws])
+        self.rows = np.array([law.row for law in self.laws]).reshape(len(self.laws), n_q)
+        self.references = np.array([law.reference for law in self.laws])
         self.driven = self.assembly.rows_of({reference: 1})[0] if reference else np.zeros(n_q)
-        self.columns = np.array([self.assembly.rows_of(one.row)[0] for one in inputs]).reshape(-1, n_q).T
+        self.columns = np.array([self.assembly.rows_of(channel.row)[0] for channel in inputs]).reshape(-1, n_q).T
 
     @cached_property
     def in_time(self) -> SplitPlant:
@@ -105,9 +105,9 @@ class CondensedPlant:
         UsageError
             A delay, or a law that depends on frequency, has no states.
         """
-        for one in self.drivetrain.definition.switched_on:
-            if one.over_time is not one:
-                text = f"{one.name} remembers where it turned back, which no state of periodic motion holds"
+        for element in self.drivetrain.definition.switched_on:
+            if element.over_time is not element:
+                text = f"{element.name} remembers where it turned back, which no state of periodic motion holds"
                 raise UsageError(text, kind="unsupported-law")
         return split_plant(self.drivetrain, motion_plant(self.drivetrain))
 
@@ -120,12 +120,12 @@ class CondensedPlant:
             return False
 
     def _require_own_motion(self) -> None:
-        for one in self.laws:
-            if one.law.sensed or one.law.lag:
+        for law in self.laws:
+            if law.law.sensed or law.law.lag:
                 why = (
-                    "follows the speed of another part" if one.law.sensed else "follows its curve with a time constant"
+                    "follows the speed of another part" if law.law.sensed else "follows its curve with a time constant"
                 )
-                text = f"{one.owner}: its torque {why}, which periodic motion does not work out; use simulate"
+                text = f"{law.owner}: its torque {why}, which periodic motion does not work out; use simulate"
                 raise UsageError(text, kind="unsupported-law")
 
     def stiffness(self, s: ComplexArray) -> ComplexArray:
@@ -136,16 +136,16 @@ class CondensedPlant:
         kappa = kappa.astype(complex)
         for number, law in self.assembly.system.dynamic:
             kappa[:, number] += np.asarray(law.kappa(omega))
-        found = rows.T @ (kappa[:, :, None] * rows)
+        D = rows.T @ (kappa[:, :, None] * rows)
         for action in self.assembly.system.actions:
             driven, sensed = (self.assembly.over_coordinates(row) for row in (action.row, action.sensed))
-            found -= action.kappa(s)[:, None, None] * np.outer(driven, sensed)
-        if not np.isfinite(found).all():
+            D -= action.kappa(s)[:, None, None] * np.outer(driven, sensed)
+        if not np.isfinite(D).all():
             raise UsageError(
                 "a controller with an integrator holds no mean motion; periodic motion needs a gain at rest",
                 kind="unsupported-law",
             )
-        return np.asarray(found + self.rows.T @ (self.references[:, None] * self.rows))
+        return np.asarray(D + self.rows.T @ (self.references[:, None] * self.rows))
 
     def receptances(self, omega: float, harmonics: range) -> Receptances:
         """Receptances at harmonics of omega in rad/s, of which 0 is the mean; those asked for last are kept."""
@@ -159,18 +159,18 @@ class CondensedPlant:
     def _receptances(self, s: ComplexArray) -> Receptances:
         loads = np.hstack([self.columns, self.rows.T])
         D = self.stiffness(s)
-        found = np.zeros((len(s), *loads.shape), dtype=complex)
+        answers = np.zeros((len(s), *loads.shape), dtype=complex)
         still = s == 0
         if (~still).any():
-            found[~still] = np.linalg.solve(D[~still], np.broadcast_to(loads, (int((~still).sum()), *loads.shape)))
+            answers[~still] = np.linalg.solve(D[~still], np.broadcast_to(loads, (int((~still).sum()), *loads.shape)))
         if still.any() and self.turning.any():
             # the drive gives what is left over on what turns freely
             (turns,) = self.free.T
             loads = loads - np.outer(self.driven, turns @ loads) / (turns @ self.driven)
         for place in np.flatnonzero(still):
-            found[place] = _held(D[place].real) @ loads
+            answers[place] = _held(D[place].real) @ loads
         n_in = self.columns.shape[1]
-        return Receptances(s, found[:, :, :n_in], found[:, :, n_in:])
+        return Receptances(s, answers[:, :, :n_in], answers[:, :, n_in:])
 
     @cached_property
     def free(self) -> FloatArray:
@@ -187,7 +187,7 @@ class CondensedPlant:
         """
         if self.free.shape[1] != 1 or abs(share := float(self.driven @ self.free[:, 0])) < FREE:
             return np.zeros(len(self.laws))
-        follows = [one.law.curve.over == "rate" and not has_steps(one.law.curve) for one in self.laws]
+        follows = [law.law.curve.over == "rate" and not has_steps(law.law.curve) for law in self.laws]
         rates = self.rows @ self.free[:, 0] / share
         return np.where(follows & (np.abs(rates) > FREE), rates, 0.0)
 
@@ -210,14 +210,14 @@ class CondensedPlant:
             text = "the mean torques do not balance on what turns freely: {rest:.6g} N m are left; give the load"
             raise UsageError(phrase(text, rest=rest), kind="unbalanced-torques")
         turned = [
-            one
-            for one, row, rate in zip(self.laws, self.rows @ free, self.turning, strict=True)
+            law
+            for law, row, rate in zip(self.laws, self.rows @ free, self.turning, strict=True)
             if np.abs(row).max(initial=0.0) > FREE and not rate
         ]
         if turned:
             names, loads = (
-                ", ".join(one.owner for one in turned),
-                [one for one in turned if not has_steps(one.law.curve)],
+                ", ".join(law.owner for law in turned),
+                [law for law in turned if not has_steps(law.law.curve)],
             )
             text = "friction alone holds the mean twist here; give a spring beside it"
             if loads:
@@ -232,23 +232,23 @@ class CondensedPlant:
         that of its spring.
         """
         first, second = (
-            complex(self.rows[law] @ one[:, law]) for one in self.receptances(highest * FAR, range(1, 3)).own
+            complex(self.rows[law] @ driven[:, law]) for driven in self.receptances(highest * FAR, range(1, 3)).own
         )
         # A spring's receptance stays; that of an inertia falls to a quarter, that of a damper to a half.
         return 1 / first.real if abs(second - first) < 1e-3 * abs(first) else 0.0
 
-    def reading(self, reading: Functional, found: Receptances) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+    def reading(self, reading: Functional, receptances: Receptances) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
         """Harmonics of a sensor over coordinates (n, n_q), torques of laws (n_laws,) and torques of inputs (n_in,)."""
-        over_q = np.zeros((len(found.s), self.rows.shape[1]), dtype=complex)
+        over_q = np.zeros((len(receptances.s), self.rows.shape[1]), dtype=complex)
         over_laws = np.zeros(len(self.laws), dtype=complex)
-        places = {one.number: place for place, one in enumerate(self.laws)}
+        places = {law.number: place for place, law in enumerate(self.laws)}
         system = self.assembly.system
         dynamic = dict(system.dynamic)
         for term in reading.terms:
             if term.law in places:
                 over_laws[places[term.law]] += float(term.factor)
                 continue
-            kappa = found.s**term.power
+            kappa = receptances.s**term.power
             if term.law is not None:
                 if isinstance(self.assembly.laws[term.law], PlacedLaw):
                     text = "rigid connections hold its twist still, so that its torque is not determined"
@@ -256,14 +256,16 @@ class CondensedPlant:
                 inertia, damping, stiffness = (
                     part[term.law] for part in (system.inertia, system.damping, system.stiffness)
                 )
-                kappa = inertia * found.s**2 + damping * found.s + stiffness
+                kappa = inertia * receptances.s**2 + damping * receptances.s + stiffness
                 if term.law in dynamic:
-                    kappa = kappa + np.asarray(dynamic[term.law].kappa(found.s.imag))
+                    kappa = kappa + np.asarray(dynamic[term.law].kappa(receptances.s.imag))
             over_q += (float(term.factor) * kappa)[:, None] * term.row
         for number, factor in reading.actions.items():
             action = self.assembly.system.actions[number]
-            over_q += float(factor) * action.kappa(found.s)[:, None] * self.assembly.over_coordinates(action.sensed)
-        over_inputs = np.array([float(reading.direct(one.row)) for one in self.inputs], dtype=complex)
+            over_q += (
+                float(factor) * action.kappa(receptances.s)[:, None] * self.assembly.over_coordinates(action.sensed)
+            )
+        over_inputs = np.array([float(reading.direct(channel.row)) for channel in self.inputs], dtype=complex)
         return over_q, over_laws, over_inputs
 
 
@@ -273,7 +275,7 @@ def _reference(law: MotionLaw) -> float:
     if curve.over == "rate":
         return 0.0
     if isinstance(curve, PieceCurve):
-        stiffest = max((float(one.stiffness) for one in curve.pieces if isinstance(one, Slope)), default=0.0)
+        stiffest = max((float(piece.stiffness) for piece in curve.pieces if isinstance(piece, Slope)), default=0.0)
         return float(law.scale) * stiffest
     if isinstance(curve, CubicCurve):
         return float(law.scale) * (abs(float(curve.stiffness)) or abs(float(curve.cubic)))

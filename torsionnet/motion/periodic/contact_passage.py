@@ -90,7 +90,7 @@ class ContactMarch:
             self.w[own] = loads[h + 1, entry].real, loads[h + 1, entry].imag
         self.means = loads[0].real
         drive = Drive(problem.plant.columns, tuple(-1 for _ in split.phases), 0, F, S)
-        n_c = sum(len(one.F) for one in self.plant.actions)
+        n_c = sum(len(action.F) for action in self.plant.actions)
         self.at = Layout(len(problem.plant.columns), n_c, len(F), loads.shape[1])
         self.states = ContactStates(split.plant, split.phases, drive, self.at, relative=True)
         self._tables: dict[Contact, tuple[FloatArray, FloatArray, FloatArray]] = {}
@@ -104,14 +104,18 @@ class ContactMarch:
         z = np.zeros(at.size)
         z[at.q], z[at.v] = q.sum(axis=0).real, (s * q).sum(axis=0).real
         place = at.controllers.start
-        for one in self.plant.actions:
+        for action in self.plant.actions:
             # x_k = (s - F)^-1 (G_0 + s G_1) y_k
-            y = q @ one.sensed
+            y = q @ action.sensed
             for k, value in enumerate(y):
-                drive = one.G[:, 0] + s[k, 0] * one.G[:, 1]
-                x = np.linalg.solve(s[k, 0] * np.eye(len(one.F)) - one.F, drive * value) if len(one.F) else drive
-                z[place : place + len(one.F)] += x.real
-            place += len(one.F)
+                drive = action.G[:, 0] + s[k, 0] * action.G[:, 1]
+                x = (
+                    np.linalg.solve(s[k, 0] * np.eye(len(action.F)) - action.F, drive * value)
+                    if len(action.F)
+                    else drive
+                )
+                z[place : place + len(action.F)] += x.real
+            place += len(action.F)
         z[at.w], z[at.one], z[at.u] = self.w, 1.0, self.means
         z = np.asarray(relative_state(self.states.plant, at, z))
         contact = self.states.at_start(*self._motions(motion), np.ones(len(self.states.laws)))
@@ -124,16 +128,18 @@ class ContactMarch:
 
     def _held(self, contact: Contact, motion: PeriodicMotion) -> Contact:
         """Contact state in which friction sticks where its torque is below what it holds."""
-        found = list(contact)
+        places = list(contact)
         for number, law in enumerate(self.states.laws):
-            hold = next((place for place, one in enumerate(law.phases) if one.kind == "hold" and law.over_rate), None)
+            hold = next(
+                (place for place, piece in enumerate(law.phases) if piece.kind == "hold" and law.over_rate), None
+            )
             if hold is None:
                 continue
             torque = float(self._torque(motion, number)[0])
             phase = law.phases[hold]
             way = int(torque >= phase.high * (1 - SLIPPING)) - int(torque <= phase.low * (1 - SLIPPING))
-            found[number] = law.of_piece(phase.place + way)
-        return tuple(found)
+            places[number] = law.of_piece(phase.place + way)
+        return tuple(places)
 
     def _torque(self, motion: PeriodicMotion, law: int) -> FloatArray:
         """Torque (N,) in N m of a law over the period."""
@@ -145,8 +151,8 @@ class ContactMarch:
         if contact not in self._tables:
             form = self.states.form(contact)
             guards = guard_rows(form, self.states.laws, contact, self.at, self.states.drive.scale_of)
-            one = np.eye(self.at.size)[self.at.one]
-            own = np.flatnonzero((guards != one).any(axis=1))
+            constant = np.eye(self.at.size)[self.at.one]
+            own = np.flatnonzero((guards != constant).any(axis=1))
             step = np.asarray(scipy.linalg.expm(form.A * self.look))
             ahead = [guards[own]]
             for _ in range(BLOCK):
@@ -232,12 +238,12 @@ class ContactMarch:
                 if not len(which):
                     continue
                 here = np.linalg.matrix_power(step, number) @ z
-                times = [(self._located(here, A, guards[one], sizes[one]), one) for one in which]
-                events = [(time, one) for time, one in times if time is not None]
+                times = [(self._located(here, A, guards[guard], sizes[guard]), guard) for guard in which]
+                events = [(time, guard) for time, guard in times if time is not None]
                 if events:
-                    time, one = min(events)
+                    time, guard = min(events)
                     whole = passed + number * self.look + time
-                    return (whole, int(self._changing[contact][one])) if whole < left else (left, -1)
+                    return (whole, int(self._changing[contact][guard])) if whole < left else (left, -1)
             z = np.linalg.matrix_power(step, BLOCK) @ z
             passed += BLOCK * self.look
         return left, -1
@@ -334,12 +340,12 @@ class ContactMarch:
     def _stretches_read(self, passage: Passage, readings: Sequence[Functional], points: int) -> Iterator[FloatArray]:
         """Yield readings (n, n_out) of every stretch, its two ends included."""
         plan = reading_plan(self.states.plant, readings, self.problem.plant.inputs)
-        for one in passage.stretches:
-            form = self.states.form(one.contact)
+        for stretch in passage.stretches:
+            form = self.states.form(stretch.contact)
             rows = reading_rows(self.states.plant, readings, self.problem.plant.inputs, form, self.at, plan)
-            count = max(2, math.ceil(points * one.length / self.period))
-            step = np.asarray(scipy.linalg.expm(form.A * (one.length / count)))
-            z = [one.z]
+            count = max(2, math.ceil(points * stretch.length / self.period))
+            step = np.asarray(scipy.linalg.expm(form.A * (stretch.length / count)))
+            z = [stretch.z]
             for _ in range(count):
                 z.append(step @ z[-1])
             yield np.array(z) @ rows.T
@@ -369,5 +375,5 @@ def without_turning(monodromy: FloatArray, plant: MotionPlant, at: Layout) -> Fl
 
 def multipliers_of(monodromy: FloatArray) -> ComplexArray:
     """Eigenvalues of a monodromy, the largest first."""
-    found = np.asarray(np.linalg.eigvals(monodromy), dtype=np.complex128)
-    return found[np.argsort(-np.abs(found), kind="stable")]
+    multipliers = np.asarray(np.linalg.eigvals(monodromy), dtype=np.complex128)
+    return multipliers[np.argsort(-np.abs(multipliers), kind="stable")]

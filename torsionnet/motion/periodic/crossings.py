@@ -40,8 +40,8 @@ def located_crossing(
         share = (parameter - before.p) / (after.p - before.p)
         start = unpacked(before.u + share * (after.u - before.u), n_laws)
         motion = problem.solve(parameter, start)
-        found = None if motion is None else value(motion)
-        return None if motion is None or found is None else (motion, found)
+        passed = None if motion is None else value(motion)
+        return None if motion is None or passed is None else (motion, passed)
 
     span = after.p - before.p
     ends = at(before.p), at(after.p)
@@ -57,10 +57,10 @@ def located_crossing(
     a, b = other.parameter, motion.parameter
     for _ in range(60):
         c = (a * fb - b * fa) / (fb - fa)
-        found = at(c)
-        if found is None:
+        between = at(c)
+        if between is None:
             return None
-        motion, fc = found
+        motion, fc = between
         if fc * fb < 0:
             a, fa = b, fb
         else:
@@ -109,7 +109,7 @@ def second_frequencies(branch: MotionBranch) -> Iterator[tuple[int, PeriodicMoti
 
 def _pairs(multipliers: ComplexArray) -> float:
     """Product of 1 - m_i m_j over all pairs of multipliers."""
-    return float(np.prod([1 - one * other for one, other in combinations(multipliers.tolist(), 2)]).real)
+    return float(np.prod([1 - left * right for left, right in combinations(multipliers.tolist(), 2)]).real)
 
 
 def _passes(multipliers: ComplexArray) -> bool:

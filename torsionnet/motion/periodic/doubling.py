@@ -59,9 +59,9 @@ def odd_part(problem: PeriodicProblem, motion: PeriodicMotion) -> FloatArray:
 
 def doubled(x: ComplexArray, harmonics: int) -> ComplexArray:
     """Harmonics over two periods of a motion with those of one."""
-    found = np.zeros((2 * len(x) - 1, x.shape[1]), dtype=complex)
-    found[::2] = x
-    return fitted(found, harmonics)
+    over_two = np.zeros((2 * len(x) - 1, x.shape[1]), dtype=complex)
+    over_two[::2] = x
+    return fitted(over_two, harmonics)
 
 
 def even_part(problem: PeriodicProblem, motion: PeriodicMotion) -> FloatArray:
@@ -92,9 +92,9 @@ def doublings(branch: MotionBranch) -> Iterator[Fork]:
     for place, (first, second) in enumerate(pairwise(signs)):
         if first * second < 0:
             before, after = branch.points[place], branch.points[place + 1]
-            found = located_doubling(problem, before, after, tracer.n_laws, place)
-            if found is not None:
-                yield found
+            doubling = located_doubling(problem, before, after, tracer.n_laws, place)
+            if doubling is not None:
+                yield doubling
 
 
 def losses_of_symmetry(branch: MotionBranch) -> Iterator[Fork]:

@@ -68,14 +68,14 @@ def over_frequency(drivetrain: AssembledModel, frequencies: Any, torques: Torque
         text = 'over frequency excitation= gives torques, as {"T_M": 60} or {"T_M": {0: 40, 1: 60}} in N m by harmonic'
         raise UsageError(text, kind="wrong-form")
     parameters = _parameters(frequencies, "frequencies", "Hz")
-    given = {name: _by_harmonic(name, one) for name, one in torques.items()}
+    given = {name: _by_harmonic(name, amplitudes) for name, amplitudes in torques.items()}
     # Nodes without a mean of their own keep that of the operating point.
-    stated = [nodes_of(drivetrain, name) for name, one in given.items() if 0 in one]
+    stated = [nodes_of(drivetrain, name) for name, amplitudes in given.items() if 0 in amplitudes]
     means = acting_means(drivetrain, stated)
-    count = 1 + max(max(one) for one in given.values())
+    count = 1 + max(max(amplitudes) for amplitudes in given.values())
     loads = np.zeros((max(count, 2), len(given) + len(means)), dtype=complex)
-    for place, one in enumerate(given.values()):
-        for harmonic, amplitude in one.items():
+    for place, amplitudes in enumerate(given.values()):
+        for harmonic, amplitude in amplitudes.items():
             loads[harmonic, place] = amplitude
     loads[0, len(given) :] = list(means.values())
     if not np.abs(loads[1:]).any():
@@ -86,25 +86,25 @@ def over_frequency(drivetrain: AssembledModel, frequencies: Any, torques: Torque
 
 def _parameters(given: Any, what: str, unit: str) -> FloatArray:
     try:
-        found = np.atleast_1d(np.asarray(given, dtype=float))
+        parameters = np.atleast_1d(np.asarray(given, dtype=float))
     except (TypeError, ValueError):
-        found = np.array([np.nan])
-    if found.ndim != 1 or not len(found) or not np.isfinite(found).all() or (found <= 0).any():
+        parameters = np.array([np.nan])
+    if parameters.ndim != 1 or not len(parameters) or not np.isfinite(parameters).all() or (parameters <= 0).any():
         raise UsageError(f"{what} are finite numbers above 0, in {unit}", kind="out-of-range")
-    return np.unique(found)
+    return np.unique(parameters)
 
 
 def _by_harmonic(name: str, given: Any) -> dict[int, complex]:
     amplitudes = given if isinstance(given, Mapping) else {1: given}
     try:
-        found = {int(harmonic): complex(amplitude) for harmonic, amplitude in amplitudes.items()}
+        by_harmonic = {int(harmonic): complex(amplitude) for harmonic, amplitude in amplitudes.items()}
     except (TypeError, ValueError):
-        found = {}
-    whole = found and all(float(one) == int(one) and int(one) >= 0 for one in amplitudes)
-    if not whole or not np.isfinite(list(found.values())).all() or found.get(0, 0j).imag:
+        by_harmonic = {}
+    whole = by_harmonic and all(float(harmonic) == int(harmonic) and int(harmonic) >= 0 for harmonic in amplitudes)
+    if not whole or not np.isfinite(list(by_harmonic.values())).all() or by_harmonic.get(0, 0j).imag:
         text = "a periodic torque has finite amplitudes in N m by harmonic, 0 being the mean, which is real"
         raise UsageError(f"{name}: {text}; got {given!r}", kind="wrong-form")
-    return found
+    return by_harmonic
 
 
 def over_speed(
@@ -129,13 +129,17 @@ def over_speed(
     _require_period(first.lines, first.inputs)
     _require_fixed_values(drivetrain)
     relative = [line.relative for line in first.lines]
-    base = Fraction(math.gcd(*(one.numerator for one in relative)), math.lcm(*(one.denominator for one in relative)))
+    base = Fraction(
+        math.gcd(*(order.numerator for order in relative)), math.lcm(*(order.denominator for order in relative))
+    )
     means = acting_means(drivetrain)
     mean_inputs = resolve_inputs(drivetrain, list(means), None).excitations if means else ()
     inputs = tuple(dict.fromkeys((*first.inputs, *mean_inputs)))
-    harmonics = [int(one / base) for one in relative]
+    harmonics = [int(order / base) for order in relative]
     if max(harmonics) > MOST_ORDERS:
-        text = f"orders {', '.join(f'{float(one):.8g}' for one in sorted(set(relative)))} have a period in common only"
+        text = (
+            f"orders {', '.join(f'{float(order):.8g}' for order in sorted(set(relative)))} have a period in common only"
+        )
         text += f" after {float(1 / base):.6g} turns of {request.reference}; periodic motion needs shorter ones: take"
         raise UsageError(f"{text} fewer excitations together, or simulate", kind="no-period")
 
@@ -146,12 +150,12 @@ def over_speed(
 
     @lru_cache(MOST_KEPT)
     def loads(speed: float) -> ComplexArray:
-        found = request.loads(np.array([speed]))
+        orders = request.loads(np.array([speed]))
         torques = np.zeros((max(harmonics) + 1, len(inputs)), dtype=complex)
         for line, harmonic in enumerate(harmonics):
-            backward = found.hertz[0, line] < 0
-            for place, channel in enumerate(found.inputs):
-                value = found.loads[0, line, place]
+            backward = orders.hertz[0, line] < 0
+            for place, channel in enumerate(orders.inputs):
+                value = orders.loads[0, line, place]
                 torques[harmonic, inputs.index(channel)] += value.conjugate() if backward else value
         for channel, node in zip(mean_inputs, means, strict=True):
             torques[0, inputs.index(channel)] += means_at(speed).get(node, 0.0)
@@ -176,6 +180,6 @@ def _require_period(lines: Sequence[Any], inputs: Sequence[Input]) -> None:
     if has_unknown_angles(lines):
         text = "engines at unknown angles to each other have no one motion; give the angles between them"
         raise UsageError(text, kind="no-period")
-    imposed = [str(one) for one in inputs if one.quantity != "torque"]
+    imposed = [str(channel) for channel in inputs if channel.quantity != "torque"]
     if imposed:
         raise UsageError(f"periodic motion is driven by torques; leave out {', '.join(imposed)}", kind="unfit-channel")

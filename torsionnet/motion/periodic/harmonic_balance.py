@@ -64,23 +64,23 @@ class HarmonicBalance:
     def answers(self, x: ComplexArray) -> list[LawAnswer]:
         """Answers of the laws to motions with the harmonics x (H + 1, n_laws)."""
         n = samples(len(x) - 1)
-        found = []
+        of_laws = []
         for number, force in enumerate(self.forces):
             values = over_time(x[:, number], n)
             s = 1j * self.omega * np.arange(len(x))
             rate = over_time(s * x[:, number], n) + self.rates[number] if force.needs_rate else None
-            found.append(force.over(values, rate))
-        return found
+            of_laws.append(force.over(values, rate))
+        return of_laws
 
     def taus(self, x: ComplexArray, torques: ComplexArray) -> ComplexArray:
         """Torques tau (H + 1, n_laws) that act beside the springs k_0."""
-        yielding = np.array([one.yielding for one in self.forces])
+        yielding = np.array([force.yielding for force in self.forces])
         return np.asarray(torques * (1 + self.references * yielding) - self.references * x)
 
     def residual(self, x: ComplexArray) -> tuple[ComplexArray, list[LawAnswer], ComplexArray]:
         """Residual (H + 1, n_laws), the answers of the laws, and the harmonics of their torques."""
         answers, H = self.answers(x), self.harmonics
-        torques = np.stack([harmonics_of(one.torque, H) for one in answers], axis=1)
+        torques = np.stack([harmonics_of(answer.torque, H) for answer in answers], axis=1)
         if H == 1:
             self._describe(x, torques)
         return self.left(x, torques), answers, torques
@@ -88,42 +88,42 @@ class HarmonicBalance:
     def left(self, x: ComplexArray, torques: ComplexArray) -> ComplexArray:
         """Residual (H + 1, n_laws) of motions whose torques are known."""
         motion = self.driven - (self.G @ self.taus(x, torques)[:, :, None])[:, :, 0]
-        return np.asarray(x - motion - torques * np.array([one.yielding for one in self.forces]))
+        return np.asarray(x - motion - torques * np.array([force.yielding for force in self.forces]))
 
     def _describe(self, x: ComplexArray, torques: ComplexArray) -> None:
         """Put the describing functions of laws that have one in the place of what samples give."""
         for number, force in enumerate(self.forces):
-            found = force.describing(abs(x[1, number]), float(x[0, number].real), self.omega)
-            if found is not None and not self.rates[number]:
-                torques[:, number] = found.mean_torque, found.stiffness * x[1, number]
+            described = force.describing(abs(x[1, number]), float(x[0, number].real), self.omega)
+            if described is not None and not self.rates[number]:
+                torques[:, number] = described.mean_torque, described.stiffness * x[1, number]
 
     def slopes(self, answers: Sequence[LawAnswer]) -> FloatArray:
         """Jacobian of the residual, over the packed harmonics of all laws."""
         H, n = self.harmonics, len(self.forces)
         identity = _identity(H)
-        found = np.zeros((n, H + 1, n, 2 * H + 1), dtype=complex)
+        over_motions = np.zeros((n, H + 1, n, 2 * H + 1), dtype=complex)
         for m, (answer, force) in enumerate(zip(answers, self.forces, strict=True)):
             change = self.change(answer)
             tau = change * (1 + self.references[m] * force.yielding) - self.references[m] * identity
             # What stays within a gap may stand anywhere in it: a little stiffness leaves it where it is.
             tau[0, 0] += NOWHERE * self.references[m]
-            found[:, :, m] = self.G[:, :, m].T[:, :, None] * tau
-            found[m, :, m] += identity - force.yielding * change
-        parts = np.concatenate([found.real, found.imag[:, 1:]], axis=1)
+            over_motions[:, :, m] = self.G[:, :, m].T[:, :, None] * tau
+            over_motions[m, :, m] += identity - force.yielding * change
+        parts = np.concatenate([over_motions.real, over_motions.imag[:, 1:]], axis=1)
         return parts.reshape(n * (2 * H + 1), n * (2 * H + 1))
 
     def change(self, answer: LawAnswer) -> ComplexArray:
         """Harmonics (H + 1, 2 H + 1) of the torque of a law over those of its motion."""
         H = self.harmonics
-        found = slope_matrix(coefficients(answer.slope, H), H)
+        over_motion = slope_matrix(coefficients(answer.slope, H), H)
         if answer.rate_slope is not None:
             s = 1j * self.omega * np.arange(H + 1)
             over_rate = slope_matrix(coefficients(answer.rate_slope, H), H)
             # x' has the harmonics s x: its real part follows -w k Im x, its imaginary part w k Re x.
             real, imag = over_rate[:, 1 : H + 1], over_rate[:, H + 1 :]
             wk = s.imag[1:]
-            found[:, 1 : H + 1] += imag * wk
-            found[:, H + 1 :] -= real * wk
+            over_motion[:, 1 : H + 1] += imag * wk
+            over_motion[:, H + 1 :] -= real * wk
         n = len(answer.torque)
         for mask, at in answer.since:
             # Friction that sticks: the torque follows x less x where it last stopped slipping.
@@ -131,8 +131,8 @@ class HarmonicBalance:
             stuck[0] *= 0.5
             turn = np.exp(2j * np.pi * at / n * np.arange(1, H + 1))
             there = np.concatenate([[1.0], turn.real, -turn.imag])
-            found -= stuck[:, None] * there
-        return found
+            over_motion -= stuck[:, None] * there
+        return over_motion
 
 
 def samples(harmonics: int) -> int:
@@ -150,9 +150,9 @@ def over_time(x: ComplexArray, n: int) -> FloatArray:
 
 def harmonics_of(values: FloatArray, harmonics: int) -> ComplexArray:
     """One-sided harmonics (H + 1,) of samples over a period."""
-    found = np.fft.rfft(values)[: harmonics + 1] * (2 / len(values))
-    found[0] *= 0.5
-    return found
+    amplitudes = np.fft.rfft(values)[: harmonics + 1] * (2 / len(values))
+    amplitudes[0] *= 0.5
+    return amplitudes
 
 
 def coefficients(values: FloatArray, harmonics: int) -> ComplexArray:
@@ -161,10 +161,10 @@ def coefficients(values: FloatArray, harmonics: int) -> ComplexArray:
 
 
 def _identity(harmonics: int) -> ComplexArray:
-    found = np.zeros((harmonics + 1, 2 * harmonics + 1), dtype=complex)
+    identity = np.zeros((harmonics + 1, 2 * harmonics + 1), dtype=complex)
     k = np.arange(1, harmonics + 1)
-    found[0, 0], found[k, k], found[k, harmonics + k] = 1, 1, 1j
-    return found
+    identity[0, 0], identity[k, k], identity[k, harmonics + k] = 1, 1, 1j
+    return identity
 
 
 def packed(x: ComplexArray) -> FloatArray:
@@ -188,13 +188,13 @@ def balance_of(
 
     ``speed`` in rad/s is that of the reference node.
     """
-    found = plant.receptances(omega, range(harmonics + 1))
+    receptances = plant.receptances(omega, range(harmonics + 1))
     amplitudes = np.zeros((harmonics + 1, loads.shape[1]), dtype=complex)
     count = min(len(loads), harmonics + 1)
     amplitudes[:count] = loads[:count]
-    powers = found.s[:, None] ** np.array([one.power for one in forces])
-    driven = powers * (plant.rows @ found.driven @ amplitudes[:, :, None])[:, :, 0]
-    own = powers[:, :, None] * (plant.rows @ found.own)
+    powers = receptances.s[:, None] ** np.array([force.power for force in forces])
+    driven = powers * (plant.rows @ receptances.driven @ amplitudes[:, :, None])[:, :, 0]
+    own = powers[:, :, None] * (plant.rows @ receptances.own)
     return HarmonicBalance(forces, own, driven, omega, plant.references, plant.turning * speed)
 
 
@@ -225,7 +225,7 @@ def newton(balance: HarmonicBalance, start: ComplexArray) -> ComplexArray | None
 
 def fitted(x: ComplexArray, harmonics: int) -> ComplexArray:
     """Motions with as many harmonics, the further ones zero or left out."""
-    found = np.zeros((harmonics + 1, x.shape[1]), dtype=complex)
+    motions = np.zeros((harmonics + 1, x.shape[1]), dtype=complex)
     count = min(len(x), harmonics + 1)
-    found[:count] = x[:count]
-    return found
+    motions[:count] = x[:count]
+    return motions

@@ -59,7 +59,9 @@ class HillDeterminant:
         apart = self.k[:, None] - self.k
         self.slopes = []
         for answer in balance.answers(motion.x):
-            own, rate = (None if one is None else _toeplitz(one, apart) for one in (answer.slope, answer.rate_slope))
+            own, rate = (
+                None if series is None else _toeplitz(series, apart) for series in (answer.slope, answer.rate_slope)
+            )
             self.slopes.append((own, rate))
 
     def log(self, shift: complex, *, whole: bool = True) -> complex:
@@ -67,9 +69,9 @@ class HillDeterminant:
         plant = self.problem.plant
         s = np.asarray(shift + 1j * self.k * self.omega, dtype=np.complex128)
         D = _stiffness(plant.stiffness, s)
-        found = _log_det(D)
+        logs = _log_det(D)
         if whole:
-            found = found - _log_det(self._passive(s + SHIFTED * self.omega))
+            logs = logs - _log_det(self._passive(s + SHIFTED * self.omega))
         G = plant.rows @ np.linalg.solve(D, np.broadcast_to(plant.rows.T, (len(s), *plant.rows.T.shape)))
         n, count = len(plant.laws), len(s)
         matrix = np.zeros((n, count, n, count), dtype=complex)
@@ -77,10 +79,10 @@ class HillDeterminant:
             tau = own - plant.references[m] * np.eye(count)
             if rate is not None:
                 tau = tau + rate * s
-            for one in range(n):
-                matrix[one, :, m] = G[:, one, m][:, None] * tau
+            for row in range(n):
+                matrix[row, :, m] = G[:, row, m][:, None] * tau
             matrix[m, :, m] += np.eye(count)
-        return complex(found.sum() + _log_det(matrix.reshape(n * count, n * count)))
+        return complex(logs.sum() + _log_det(matrix.reshape(n * count, n * count)))
 
     def _passive(self, s: ComplexArray) -> ComplexArray:
         """Dynamic stiffness of inertias, dampers and springs alone, with the springs k_0."""
@@ -96,10 +98,10 @@ class HillDeterminant:
         """Number of disturbances that grow, None where the count is none, and places at which h is small."""
         edge = SHIFT * self.omega / (2 * math.pi)
         places = (edge + 1j * np.linspace(0.0, 0.5, LOOKS + 1) * self.omega).tolist()
-        values = [self.log(one) for one in places]
+        values = [self.log(place) for place in places]
         turned = sum(
-            self._turn(one, other, DEEPEST)
-            for one, other in zip(zip(places, values), zip(places[1:], values[1:]))  # noqa: B905
+            self._turn(before, other, DEEPEST)
+            for before, other in zip(zip(places, values), zip(places[1:], values[1:]))  # noqa: B905
         )
         count = -turned / math.pi
         sizes = np.array([value.real for value in values])
@@ -145,7 +147,7 @@ def hill_multipliers(problem: PeriodicProblem, motion: PeriodicMotion) -> tuple[
 
     Two truncations have to agree. The multipliers are those of zeros near some starts, not all that there are.
     """
-    if any(one.yielding for one in problem.forces):
+    if any(force.yielding for force in problem.forces):
         return None
     first = HillDeterminant(problem, motion, FEWEST).growing()[0]
     for more in (2, 4):
@@ -156,42 +158,42 @@ def hill_multipliers(problem: PeriodicProblem, motion: PeriodicMotion) -> tuple[
         first = growing
     else:
         return None
-    found: list[complex] = []
+    multipliers: list[complex] = []
     for start in (*low, *(motion.omega * (real + 1j * imag) for real in REAL_PARTS for imag in IMAGINARY_PARTS)):
         zero = determinant.zero(start)
         # What turns freely as a whole has its zero at rest.
         if zero is not None and (abs(zero) > REST * motion.omega or not problem.plant.free.size):
-            found.append(cmath.exp(2 * math.pi / motion.omega * zero))
-        if found and sum(abs(one) > 1 for one in _distinct(found)) >= growing:
+            multipliers.append(cmath.exp(2 * math.pi / motion.omega * zero))
+        if multipliers and sum(abs(multiplier) > 1 for multiplier in _distinct(multipliers)) >= growing:
             break
-    return growing, _distinct(found)
+    return growing, _distinct(multipliers)
 
 
 def _distinct(multipliers: Sequence[complex]) -> ComplexArray:
     """Multipliers with their conjugates, each once, the largest first."""
-    found = np.round(np.array(multipliers, dtype=complex), 7)
-    found = np.where(np.abs(found.imag) < REAL * np.abs(found), found.real, found)
-    both = np.concatenate([found, found.conj()])
+    rounded = np.round(np.array(multipliers, dtype=complex), 7)
+    rounded = np.where(np.abs(rounded.imag) < REAL * np.abs(rounded), rounded.real, rounded)
+    both = np.concatenate([rounded, rounded.conj()])
     both = both[np.argsort(-np.abs(both), kind="stable")]
     kept: list[complex] = []
-    for one in both.tolist():
-        if all(abs(one - other) > SAME * abs(one) for other in kept):
-            kept.append(one)
+    for multiplier in both.tolist():
+        if all(abs(multiplier - other) > SAME * abs(multiplier) for other in kept):
+            kept.append(multiplier)
     return np.array(kept, dtype=complex)
 
 
 def _stiffness(stiffness: Callable[[ComplexArray], ComplexArray], s: ComplexArray) -> ComplexArray:
     """Dynamic stiffness (n, n_q, n_q) by that at frequencies from zero on, D(conj s) = conj D(s)."""
     below = s.imag < 0
-    found = stiffness(np.where(below, s.conj(), s))
-    found[below] = found[below].conj()
-    return np.asarray(found)
+    D = stiffness(np.where(below, s.conj(), s))
+    D[below] = D[below].conj()
+    return np.asarray(D)
 
 
 def _toeplitz(values: FloatArray, apart: NDArray[np.intp]) -> ComplexArray:
     """Coefficients S_(k-m) of samples of a slope over a period."""
-    found = coefficients(values, int(apart.max()) // 2)
-    return np.where(apart >= 0, found[np.abs(apart)], found[np.abs(apart)].conj())
+    series = coefficients(values, int(apart.max()) // 2)
+    return np.where(apart >= 0, series[np.abs(apart)], series[np.abs(apart)].conj())
 
 
 def _log_det(matrix: ComplexArray) -> ComplexArray:

@@ -108,7 +108,7 @@ class PieceForce:
         corner = self.corners[min(acting)]
         crosses = (follows[0] < corner) != (follows[1] < corner)
         places = [(corner - follows[0]) / (follows[1] - follows[0])] if crosses else []
-        contact = max(acting, key=lambda one: abs(self.sides[one]))
+        contact = max(acting, key=lambda number: abs(self.sides[number]))
         if self.sides[contact]:
             pushes = self._torque(contact, ends)
             # Contact closes where the last of twist and torque is above zero, and opens with the first below.
@@ -269,11 +269,11 @@ class CurveForce:
     def _interpolated(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Torques and slopes (N,) at twists or rates, by cubics through torques and slopes at some of them."""
         curve, low, high = self.law.curve, float(values.min()), float(values.max())
-        inside = [float(one) for one in curve.corners() if low < float(one) < high]
+        inside = [float(corner) for corner in curve.corners() if low < float(corner) < high]
         places = np.unique([*np.linspace(low, high, PLACES).tolist(), *inside])
-        states = [MotionState(0.0, one) if self.needs_rate else MotionState(one) for one in places.tolist()]
-        torques = np.array([float(curve.torque(one.twist, one.rate)) for one in states])
-        slopes = np.array([float(curve.slopes(one)[int(self.needs_rate)]) for one in states])
+        states = [MotionState(0.0, at) if self.needs_rate else MotionState(at) for at in places.tolist()]
+        torques = np.array([float(curve.torque(state.twist, state.rate)) for state in states])
+        slopes = np.array([float(curve.slopes(state)[int(self.needs_rate)]) for state in states])
         if len(places) == 1:
             return np.full(len(values), torques[0]), np.full(len(values), slopes[0])
         from scipy.interpolate import CubicHermiteSpline
@@ -290,12 +290,14 @@ def force_of(owner: str, law: MotionLaw, spring_before: Callable[[], float], siz
     curve, scale = law.curve, float(law.scale)
     if not isinstance(curve, PieceCurve):
         return CurveForce(law)
-    slopes = [one for one in curve.pieces if isinstance(one, Slope)]
+    slopes = [piece for piece in curve.pieces if isinstance(piece, Slope)]
     if not has_steps(curve):
-        corners = [float(one.upper) for one in slopes[:-1]]
-        parts = ([scale * float(getattr(one, name)) for one in slopes] for name in ("torque", "stiffness", "damping"))
+        corners = [float(piece.upper) for piece in slopes[:-1]]
+        parts = (
+            [scale * float(getattr(piece, name)) for piece in slopes] for name in ("torque", "stiffness", "damping")
+        )
         torques, stiffnesses, dampings = map(np.array, parts)
-        sides = np.array([float(one.side) for one in slopes])
+        sides = np.array([float(piece.side) for piece in slopes])
         return PieceForce(np.array(corners), torques, stiffnesses, dampings, sides, curve.over == "rate", law)
     if curve.over == "twist":
         return _resolved(owner, curve, scale, size, 0)
@@ -303,7 +305,7 @@ def force_of(owner: str, law: MotionLaw, spring_before: Callable[[], float], siz
     if not spring:
         return _resolved(owner, curve, scale, size, 1)
     most = slopes[-1]
-    held = max(float(one.high) for one in curve.pieces if isinstance(one, Hold))
+    held = max(float(piece.high) for piece in curve.pieces if isinstance(piece, Hold))
     if len(curve.pieces) != 3 or most.damping or held != float(most.torque):
         text = "friction behind a spring that changes with the slip or sticks with more than it slips"
         raise UsageError(f"{owner}: periodic motion does not work out {text}; use simulate", kind="unsupported-law")
@@ -345,8 +347,8 @@ def slope_matrix(coefficients: ComplexArray, harmonics: int) -> ComplexArray:
     apart = k - m
     toeplitz = np.where(apart >= 0, coefficients[np.abs(apart)], coefficients[np.abs(apart)].conj())
     hankel = coefficients[k + m]
-    found = np.empty((H + 1, 2 * H + 1), dtype=complex)
-    found[:, 0] = 2 * coefficients[: H + 1]
-    found[:, 1 : H + 1], found[:, H + 1 :] = toeplitz + hankel, 1j * (toeplitz - hankel)
-    found[0] *= 0.5
-    return found
+    over_x = np.empty((H + 1, 2 * H + 1), dtype=complex)
+    over_x[:, 0] = 2 * coefficients[: H + 1]
+    over_x[:, 1 : H + 1], over_x[:, H + 1 :] = toeplitz + hankel, 1j * (toeplitz - hankel)
+    over_x[0] *= 0.5
+    return over_x

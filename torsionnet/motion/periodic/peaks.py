@@ -38,13 +38,13 @@ class ListedMotion:
 
 
 def with_peaks(
-    one: FoundBranch, listed: Sequence[ListedMotion], readings: Sequence[Functional], harmonics: Harmonics,
+    branch: FoundBranch, listed: Sequence[ListedMotion], readings: Sequence[Functional], harmonics: Harmonics,
     ends: tuple[float, float],
 ) -> Iterator[ListedMotion]:  # fmt: skip
     """Yield the motions listed along a branch with the peaks of readings between them, all inside the ``ends``."""
-    tracer, points = one.branch.tracer, one.branch.points
+    tracer, points = branch.branch.tracer, branch.branch.points
     inside = [ends[0] <= point.p <= ends[1] for point in points]
-    swings = np.array([_swings(one.problem, tracer.motion(point), readings) for point in points])
+    swings = np.array([_swings(branch.problem, tracer.motion(point), readings) for point in points])
     swings[np.logical_not(inside)] = 0.0
     bounds = [None, *listed, None]
     for before, after in pairwise(bounds):
@@ -52,16 +52,16 @@ def with_peaks(
             yield before
         first, last = 0 if before is None else before.place + 1, len(points) - 2 if after is None else after.place
         own = swings[max(first, 1) : last + 1]
-        beside = np.array([_swings(one.problem, end.motion, readings) for end in (before, after) if end is not None])
+        beside = np.array([_swings(branch.problem, end.motion, readings) for end in (before, after) if end is not None])
         if not len(own):
             continue
-        found: dict[int, ListedMotion] = {}
+        peaks: dict[int, ListedMotion] = {}
         for column in np.flatnonzero((own > (1 + HIGHER) * beside.max(axis=0, initial=0.0)).any(axis=0)).tolist():
             place = max(first, 1) + int(own[:, column].argmax())
-            top = _top(one, place, readings[column], harmonics)
+            top = _top(branch, place, readings[column], harmonics)
             if top is not None and _lies_between(top[0], points[place], before, after, ends):
-                found.setdefault(place, ListedMotion(place, top[1], "peak"))
-        yield from (found[place] for place in sorted(found))
+                peaks.setdefault(place, ListedMotion(place, top[1], "peak"))
+        yield from (peaks[place] for place in sorted(peaks))
 
 
 def _swings(problem: PeriodicProblem, motion: PeriodicMotion, readings: Sequence[Functional]) -> FloatArray:
@@ -70,11 +70,11 @@ def _swings(problem: PeriodicProblem, motion: PeriodicMotion, readings: Sequence
 
 
 def _top(
-    one: FoundBranch, place: int, reading: Functional, harmonics: Harmonics
+    branch: FoundBranch, place: int, reading: Functional, harmonics: Harmonics
 ) -> tuple[BranchPoint, PeriodicMotion] | None:
     """Largest swing of a reading between the points beside one of a branch, over the arc length: point and motion."""
-    problem, (before, after) = one.problem, (one.branch.points[place - 1], one.branch.points[place + 1])
-    n_laws = one.branch.tracer.n_laws
+    problem, (before, after) = branch.problem, (branch.branch.points[place - 1], branch.branch.points[place + 1])
+    n_laws = branch.branch.tracer.n_laws
     beside = problem.solve(before.p, unpacked(before.u, n_laws), harmonics)
     if beside is None:
         return None

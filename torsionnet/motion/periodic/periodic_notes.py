@@ -19,7 +19,7 @@ MANY = 3
 
 
 def periodic_notes(
-    found: PeriodicResponse,
+    response: PeriodicResponse,
     branches: Sequence[FoundBranch],
     beyond: Sequence[tuple[int, float, str]],
     missed: Sequence[float],
@@ -29,57 +29,57 @@ def periodic_notes(
     ``beyond`` are motions beyond tables by branch and place, with the reason, and ``missed`` places at which a branch
     passes without a motion found.
     """
-    off = [one for one in found.motions if one.left_out > 1e-5]
+    off = [motion for motion in response.motions if motion.left_out > 1e-5]
     if off:
-        worst = max(off, key=lambda one: one.left_out)
+        worst = max(off, key=lambda motion: motion.left_out)
         s = "" if worst.harmonics == 1 else "s"
         yield FEW_HARMONICS.format(count=worst.harmonics, s=s, share=worst.left_out)
-    doubled = {one.periods for one in found.motions}
-    for one in found.turns("doubling"):
-        follow = "" if 2 * one.periods in doubled else f"; subharmonics={2 * one.periods} follows it"
-        yield f"at {_at(found, one.at)} the motion of branch {one.branch + 1} doubles its period{follow}"
-    for one in found.turns("symmetry"):
+    doubled = {motion.periods for motion in response.motions}
+    for turn in response.turns("doubling"):
+        follow = "" if 2 * turn.periods in doubled else f"; subharmonics={2 * turn.periods} follows it"
+        yield f"at {_at(response, turn.at)} the motion of branch {turn.branch + 1} doubles its period{follow}"
+    for turn in response.turns("symmetry"):
         text = "loses its symmetry, and two lopsided ones begin, mirror images of each other: one at most is followed"
-        yield f"at {_at(found, one.at)} the motion of branch {one.branch + 1} {text}"
-    for one in found.turns("second frequency"):
+        yield f"at {_at(response, turn.at)} the motion of branch {turn.branch + 1} {text}"
+    for turn in response.turns("second frequency"):
         text = "passes into motions with a second frequency, which no period repeats; simulate shows them"
-        yield f"at {_at(found, one.at)} the motion of branch {one.branch + 1} {text}"
-    yield from _cascades(found, branches)
+        yield f"at {_at(response, turn.at)} the motion of branch {turn.branch + 1} {text}"
+    yield from _cascades(response, branches)
     for number, each in enumerate(branches):
         for motion, why in each.branch.stops:
             owner, swing = each.problem.largest_twist(motion)
-            place = f"at {_at(found, motion.parameter)}, where {owner} swings by {swing:.4g} rad"
+            place = f"at {_at(response, motion.parameter)}, where {owner} swings by {swing:.4g} rad"
             yield f"branch {number + 1} stops {place}: {why}; simulate shows what follows"
         for fork in each.unfollowed:
-            begins = f"the branch that begins at {_at(found, fork.motion.parameter)}"
+            begins = f"the branch that begins at {_at(response, fork.motion.parameter)}"
             yield f"{begins} is not followed to its end: those found before are long"
     for number, group in groupby(beyond, key=lambda each: each[0]):
         places = list(group)
-        span = _span(found, sorted(at for _, at, _ in places))
+        span = _span(response, sorted(at for _, at, _ in places))
         yield f"{span} motions of branch {number + 1} are left out: {places[0][2]}"
     if missed:
-        yield f"{_span(found, sorted(missed))} a branch passes, but with the harmonics it needs none was found there"
-    yield from _unstable(found)
+        yield f"{_span(response, sorted(missed))} a branch passes, but with the harmonics it needs none was found there"
+    yield from _unstable(response)
     yield MORE
 
 
-def _at(found: PeriodicResponse, at: float) -> str:
-    return f"{found.shown(at):.8g} {found.unit}"
+def _at(response: PeriodicResponse, at: float) -> str:
+    return f"{response.shown(at):.8g} {response.unit}"
 
 
-def _span(found: PeriodicResponse, places: Sequence[float]) -> str:
+def _span(response: PeriodicResponse, places: Sequence[float]) -> str:
     if len(places) == 1:
-        return f"at {found.shown(places[0]):.6g} {found.unit}"
-    return f"at {len(places)} places from {found.shown(places[0]):.6g} to {found.shown(places[-1]):.6g} {found.unit}"
+        return f"at {response.shown(places[0]):.6g} {response.unit}"
+    return f"at {len(places)} places from {response.shown(places[0]):.6g} to {response.shown(places[-1]):.6g} {response.unit}"
 
 
-def _cascades(found: PeriodicResponse, branches: Sequence[FoundBranch]) -> Iterator[str]:
+def _cascades(response: PeriodicResponse, branches: Sequence[FoundBranch]) -> Iterator[str]:
     """Yield a note for each row of doublings that goes on, with the place at which it would have become chaos."""
-    for one in branches:
-        doublings = [each.motion.parameter for each in one.forks if each.kind == "doubling"]
+    for branch in branches:
+        doublings = [each.motion.parameter for each in branch.forks if each.kind == "doubling"]
         if not doublings:
             continue
-        last, chain = one, []
+        last, chain = branch, []
         while last.begins is not None and last.begins.kind == "doubling":
             chain.append(last.begins.motion.parameter)
             last = next(each for each in branches if last.begins in each.forks)
@@ -92,15 +92,15 @@ def _cascades(found: PeriodicResponse, branches: Sequence[FoundBranch]) -> Itera
             continue
         # what is left of the row is a geometric series of steps
         chaos = row[-1] + steps[1] / (CLOSER - 1)
-        shown = ", ".join(f"{found.shown(at):.6g}" for at in row)
-        text = f"doublings follow each other ever closer, at {shown} {found.unit}: a cascade without an end"
-        yield f"{text}, beyond about {found.shown(chaos):.5g} {found.unit} chaos; simulate shows it"
+        shown = ", ".join(f"{response.shown(at):.6g}" for at in row)
+        text = f"doublings follow each other ever closer, at {shown} {response.unit}: a cascade without an end"
+        yield f"{text}, beyond about {response.shown(chaos):.5g} {response.unit} chaos; simulate shows it"
 
 
-def _unstable(found: PeriodicResponse) -> Iterator[str]:
-    places = sorted({one.at for one in found.motions if not one.turn})
-    lonely = [at for at in places if found.motions_at(at) and not found.stable_at(at)]
-    sure = [at for at in lonely if all(one.is_stable is False for one in found.motions_at(at))]
+def _unstable(response: PeriodicResponse) -> Iterator[str]:
+    places = sorted({motion.at for motion in response.motions if not motion.turn})
+    lonely = [at for at in places if response.motions_at(at) and not response.stable_at(at)]
+    sure = [at for at in lonely if all(motion.is_stable is False for motion in response.motions_at(at))]
     if sure:
         text = "none of the motions found is stable: what is met doubles, has a second frequency, or is chaotic"
-        yield f"{_span(found, sure)} {text}; simulate shows it"
+        yield f"{_span(response, sure)} {text}; simulate shows it"

@@ -69,12 +69,12 @@ class PeriodicOrders(OrderResponse):
 
     @cached_property
     def bounds(self) -> FloatArray:
-        found = np.zeros((2, len(self.speeds), len(self.outputs)))
+        half_ranges = np.zeros((2, len(self.speeds), len(self.outputs)))
         for number, row in enumerate(self.taken):
-            for place, one in enumerate(row):
-                mean = one.amplitudes[0, place].real
-                found[:, number, place] = one.highest[place] - mean, one.lowest[place] - mean
-        return found
+            for place, motion in enumerate(row):
+                mean = motion.amplitudes[0, place].real
+                half_ranges[:, number, place] = motion.highest[place] - mean, motion.lowest[place] - mean
+        return half_ranges
 
     @property
     def open_notes(self) -> tuple[str, ...]:
@@ -83,7 +83,7 @@ class PeriodicOrders(OrderResponse):
 
     @property
     def unmet(self) -> NDArray[np.bool_]:
-        return np.array([any(_stable(one) is False for one in row) for row in self.taken])
+        return np.array([any(_stable(motion) is False for motion in row) for row in self.taken])
 
 
 def periodic_orders(
@@ -123,20 +123,22 @@ def periodic_orders(
             excitation=names, subharmonics=SUBHARMONICS,
         )  # fmt: skip
 
-    found = found_at(at)
-    turned = np.array([one.at for one in (*found.turns(), *found.peaks) if between and at[0] < one.at < at[-1]])
+    response = found_at(at)
+    turned = np.array(
+        [turn.at for turn in (*response.turns(), *response.peaks) if between and at[0] < turn.at < at[-1]]
+    )
     if len(turned):
         at = np.unique(np.concatenate([at, turned]))
-        found = found_at(at)
-    taken = [[largest_met(found, speed, place) for place in range(len(found.outputs))] for speed in at.tolist()]
-    lines, values = _orders(found, taken, SUM_SEPARATOR.join(request.excitations))
-    notes = (TAKEN, *([BETWEEN] if between else []), *found.jump_sentences, *unsettled(at, taken), *found.notes)
+        response = found_at(at)
+    taken = [[largest_met(response, speed, place) for place in range(len(response.outputs))] for speed in at.tolist()]
+    lines, values = _orders(response, taken, SUM_SEPARATOR.join(request.excitations))
+    notes = (TAKEN, *([BETWEEN] if between else []), *response.jump_sentences, *unsettled(at, taken), *response.notes)
     return PeriodicOrders(
-        at, request.reference, lines, values, found.outputs, found.title, notes=notes, motions=found,
+        at, request.reference, lines, values, response.outputs, response.title, notes=notes, motions=response,
     )  # fmt: skip
 
 
-def largest_met(found: PeriodicResponse, at: float, place: int) -> FoundMotion:
+def largest_met(response: PeriodicResponse, at: float, place: int) -> FoundMotion:
     """Motion at a speed in rad/s with the largest half range of an output that is stable, or may be.
 
     A motion on the edge counts as stable, as the end of those that are. Where none is stable it is the largest of all.
@@ -146,12 +148,12 @@ def largest_met(found: PeriodicResponse, at: float, place: int) -> FoundMotion:
     UsageError
         No motion was found at this speed.
     """
-    here = [one for one in found.motions if math.isclose(one.at, at, rel_tol=1e-9)]
+    here = [motion for motion in response.motions if math.isclose(motion.at, at, rel_tol=1e-9)]
     if not here:
-        text = f"at {found.shown(at):.6g} {found.unit} no periodic motion was found; simulate shows what happens there"
+        text = f"at {response.shown(at):.6g} {response.unit} no periodic motion was found; simulate shows what happens there"
         raise UsageError(text, kind="no-period")
-    met = [one for one in here if _stable(one) is not False] or here
-    return max(met, key=lambda one: float(one.highest[place] - one.lowest[place]))
+    met = [motion for motion in here if _stable(motion) is not False] or here
+    return max(met, key=lambda motion: float(motion.highest[place] - motion.lowest[place]))
 
 
 def _stable(motion: FoundMotion) -> bool | None:
@@ -163,9 +165,9 @@ def _stable(motion: FoundMotion) -> bool | None:
 def _require_one_case(request: OrderRequest, at: FloatArray) -> None:
     """Raise UsageError for cylinders of which any may misfire, or that scatter: each case has motions of its own."""
     several = [
-        one.name
-        for one in request.loads(at[:1]).by_excitation
-        if one.torques.alternatives is not None or one.torques.scatter is not None
+        excitation.name
+        for excitation in request.loads(at[:1]).by_excitation
+        if excitation.torques.alternatives is not None or excitation.torques.scatter is not None
     ]
     if several:
         text = "periodic motion is that of one case of excitation; say which cylinder misfires, without scatter"
@@ -181,32 +183,32 @@ def _searched(drivetrain: AssembledModel, reference: str, at: FloatArray) -> Flo
 
 
 def _orders(
-    found: PeriodicResponse, taken: Sequence[Sequence[FoundMotion]], name: str
+    response: PeriodicResponse, taken: Sequence[Sequence[FoundMotion]], name: str
 ) -> tuple[tuple[OrderLine, ...], ComplexArray]:
     """Order lines of motions, and amplitudes (n_speeds, n_lines, n_out): of doubled motions half orders, too."""
-    motions = [one for row in taken for one in row]
-    periods = math.lcm(*(one.periods for one in motions))
-    count = max((len(one.amplitudes) - 1) * periods // one.periods for one in motions)
-    values = np.zeros((len(taken), count, len(found.outputs)), dtype=complex)
-    sizes = np.zeros(len(found.outputs))
+    motions = [motion for row in taken for motion in row]
+    periods = math.lcm(*(motion.periods for motion in motions))
+    count = max((len(motion.amplitudes) - 1) * periods // motion.periods for motion in motions)
+    values = np.zeros((len(taken), count, len(response.outputs)), dtype=complex)
+    sizes = np.zeros(len(response.outputs))
     for number, row in enumerate(taken):
-        for place, one in enumerate(row):
+        for place, motion in enumerate(row):
             # Harmonic k of a motion of p periods is harmonic k P/p of P periods.
-            each = periods // one.periods
-            values[number, each - 1 : (len(one.amplitudes) - 1) * each : each, place] = one.amplitudes[1:, place]
-            sizes[place] = max(sizes[place], found.peak_to_peak(one, found.outputs[place].name) / 2)
+            each = periods // motion.periods
+            values[number, each - 1 : (len(motion.amplitudes) - 1) * each : each, place] = motion.amplitudes[1:, place]
+            sizes[place] = max(sizes[place], response.peak_to_peak(motion, response.outputs[place].name) / 2)
     kept = (np.abs(values) > SMALLEST_ORDER * sizes).any(axis=(0, 2))
-    base = Fraction(found.order).limit_denominator(10**6) / periods
+    base = Fraction(response.order).limit_denominator(10**6) / periods
     lines = tuple(OrderLine(name, float(base * (number + 1)), Fraction(1)) for number in np.flatnonzero(kept).tolist())
     return lines, values[:, kept]
 
 
 def unsettled(at: FloatArray, taken: Sequence[Sequence[FoundMotion]]) -> Iterator[str]:
     """Sentences on speeds at which the motion taken is unstable, or its stability is not determined."""
-    states = [{_stable(one) for one in row} for row in taken]
+    states = [{_stable(motion) for motion in row} for row in taken]
     for state, text in ((False, UNMET), (None, OPEN)):
-        speeds = at[[state in one for one in states]] * RPM
+        speeds = at[[state in each for each in states]] * RPM
         if len(speeds):
-            one, several = "at {at:.6g} rpm", "from {low:.6g} to {high:.6g} rpm"
-            where = phrase(several, low=speeds[0], high=speeds[-1]) if len(speeds) > 1 else phrase(one, at=speeds[0])
+            at_one, several = "at {at:.6g} rpm", "from {low:.6g} to {high:.6g} rpm"
+            where = phrase(several, low=speeds[0], high=speeds[-1]) if len(speeds) > 1 else phrase(at_one, at=speeds[0])
             yield phrase(text, where=where)

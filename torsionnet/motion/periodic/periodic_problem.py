@@ -90,8 +90,8 @@ class PeriodicProblem:
         self.plant, self.drive, self.subharmonics = plant, drive, subharmonics
         omega = drive.omega(at)
         self.forces: tuple[Force, ...] = tuple(
-            force_of(one.owner, one.law, partial(plant.spring_before, place, omega), self._size(place, omega))
-            for place, one in enumerate(plant.laws)
+            force_of(law.owner, law.law, partial(plant.spring_before, place, omega), self._size(place, omega))
+            for place, law in enumerate(plant.laws)
         )
         driven = self.balance(at, FIRST_HARMONICS).driven
         moved = np.linalg.norm(driven[1:], axis=0)
@@ -99,22 +99,22 @@ class PeriodicProblem:
 
     def _size(self, law: int, omega: float) -> float:
         """Torque in N m per motion of a law's row at omega in rad/s: that of the plant around it."""
-        found = self.plant.receptances(omega, range(1, 2))
-        own = abs(complex(self.plant.rows[law] @ found.own[0, :, law]))
+        receptances = self.plant.receptances(omega, range(1, 2))
+        own = abs(complex(self.plant.rows[law] @ receptances.own[0, :, law]))
         over_rate = self.plant.laws[law].law.curve.over == "rate"
         return 1 / (own * omega if over_rate else own)
 
     def with_subharmonics(self, count: int) -> PeriodicProblem:
         """Problem of motions that repeat after so many periods of the torques."""
-        found = copy(self)
-        found.subharmonics = count
-        return found
+        problem = copy(self)
+        problem.subharmonics = count
+        return problem
 
     def with_drive(self, drive: PeriodicDrive, parameter_scale: float = 0.0) -> PeriodicProblem:
         """Problem of the same laws under other torques, also over another parameter."""
-        found = copy(self)
-        found.drive, found.parameter_scale = drive, parameter_scale
-        return found
+        problem = copy(self)
+        problem.drive, problem.parameter_scale = drive, parameter_scale
+        return problem
 
     def balance(self, parameter: float, harmonics: int) -> HarmonicBalance:
         """Equations at a parameter."""
@@ -122,8 +122,8 @@ class PeriodicProblem:
         spread = np.zeros((nu * (len(loads) - 1) + 1, loads.shape[1]), dtype=complex)
         spread[::nu] = loads
         omega, speed = self.drive.omega(parameter) / nu, self.drive.speed(parameter)
-        found = balance_of(self.plant, self.forces, omega, spread, harmonics, speed)
-        return found if self.shares is None else replace(found, G=found.G * self.shares(parameter))
+        equations = balance_of(self.plant, self.forces, omega, spread, harmonics, speed)
+        return equations if self.shares is None else replace(equations, G=equations.G * self.shares(parameter))
 
     def solve(self, parameter: float, start: ComplexArray, harmonics: Harmonics = "auto") -> PeriodicMotion | None:
         """Periodic motion from a start, with the harmonics asked for or as many as it needs; None without one."""
@@ -136,9 +136,9 @@ class PeriodicProblem:
             if solved is None:
                 return None
             x = solved
-            found = self.motion(parameter, x, balance)
-            if harmonics != "auto" or found.left_out < LEFT_OUT or count >= MOST_HARMONICS:
-                return found
+            motion = self.motion(parameter, x, balance)
+            if harmonics != "auto" or motion.left_out < LEFT_OUT or count >= MOST_HARMONICS:
+                return motion
             count = min(int(np.ceil(MORE * count)), MOST_HARMONICS)
 
     def motion(self, parameter: float, x: ComplexArray, balance: HarmonicBalance) -> PeriodicMotion:
@@ -146,8 +146,8 @@ class PeriodicProblem:
         _, answers, torques = balance.residual(x)
         H = len(x) - 1
         further = self.plant.receptances(balance.omega, range(H + 1, 2 * H + 1))
-        more = np.stack([harmonics_of(one.torque, 2 * H)[H + 1 :] for one in answers], axis=1)
-        behind = np.array([one.yielding if one.behind_spring else 0.0 for one in self.forces])
+        more = np.stack([harmonics_of(answer.torque, 2 * H)[H + 1 :] for answer in answers], axis=1)
+        behind = np.array([force.yielding if force.behind_spring else 0.0 for force in self.forces])
         moved = np.abs(np.einsum("kli,ki->kl", self.plant.rows @ further.own, more) - more * behind).sum(axis=0)
         twists = self.twists(x, torques)
         size = np.array([np.ptp(over_time(twists[:, place], samples(H))) for place in range(x.shape[1])])
@@ -156,20 +156,20 @@ class PeriodicProblem:
 
     def twists(self, x: ComplexArray, torques: ComplexArray) -> ComplexArray:
         """Harmonics (H + 1, n_laws) of the motions g of the laws, without what laws with steps have beside."""
-        return np.asarray(x - torques * np.array([one.yielding for one in self.forces]))
+        return np.asarray(x - torques * np.array([force.yielding for force in self.forces]))
 
     def beyond(self, motion: PeriodicMotion) -> str:
         """Message that a law is left: its motion lies beyond an end of its table; else empty."""
         n, k = samples(motion.harmonics), np.arange(motion.harmonics + 1)
         twists = self.twists(motion.x, motion.torques)
-        for one, force, own in zip(self.plant.laws, self.forces, twists.T, strict=True):
+        for law, force, own in zip(self.plant.laws, self.forces, twists.T, strict=True):
             # of friction behind a spring, and of laws with steps over the rate, g itself is the rate
             rate = over_time(own if force.power else 1j * motion.omega * k * own, n)
             twist = np.zeros(n) if force.power else over_time(own, n)
             for place in (int(twist.argmin()), int(twist.argmax()), int(rate.argmin()), int(rate.argmax())):
-                message = one.law.curve.left(float(twist[place]), float(rate[place]))
+                message = law.law.curve.left(float(twist[place]), float(rate[place]))
                 if message:
-                    return f"{one.owner}: {message}"
+                    return f"{law.owner}: {message}"
         return ""
 
     def largest_twist(self, motion: PeriodicMotion) -> tuple[str, float]:
@@ -181,23 +181,23 @@ class PeriodicProblem:
 
     def coordinates(self, motion: PeriodicMotion) -> tuple[ComplexArray, ComplexArray]:
         """Harmonics (H + 1, n_q) of the coordinates in rad, and (H + 1, n_in) of the torques on the inputs in N m."""
-        found = self.plant.receptances(motion.omega, range(motion.harmonics + 1))
+        receptances = self.plant.receptances(motion.omega, range(motion.harmonics + 1))
         loads = self.drive.loads(motion.parameter)
         spread = np.zeros((self.subharmonics * (len(loads) - 1) + 1, loads.shape[1]), dtype=complex)
         spread[:: self.subharmonics] = loads
         u = fitted(spread, motion.harmonics)
-        yielding = np.array([one.yielding for one in self.forces])
+        yielding = np.array([force.yielding for force in self.forces])
         tau = motion.torques * (1 + self.plant.references * yielding) - self.plant.references * motion.x
-        q = np.einsum("kin,kn->ki", found.driven, u) - np.einsum("kil,kl->ki", found.own, tau)
+        q = np.einsum("kin,kn->ki", receptances.driven, u) - np.einsum("kil,kl->ki", receptances.own, tau)
         return q, u
 
     def readings(self, motion: PeriodicMotion, readings: Sequence[Functional]) -> ComplexArray:
         """Harmonics (H + 1, n_out) of sensors in SI units."""
-        found = self.plant.receptances(motion.omega, range(motion.harmonics + 1))
+        receptances = self.plant.receptances(motion.omega, range(motion.harmonics + 1))
         q, u = self.coordinates(motion)
         columns = []
-        for one in readings:
-            over_q, over_laws, over_inputs = self.plant.reading(one, found)
+        for reading in readings:
+            over_q, over_laws, over_inputs = self.plant.reading(reading, receptances)
             columns.append((over_q * q).sum(axis=1) + motion.torques @ over_laws + u @ over_inputs)
         return np.stack(columns, axis=1)
 

@@ -110,7 +110,7 @@ def periodic_response(
         text = "the drivetrain has no laws of motion: it is linear, and has a frequency or order response"
         raise UsageError(text, kind="no-effect")
     asked = [output] if isinstance(output, str | Sensor) else list(output)
-    readings = [named_output(plant.placed.drivetrain, one) for one in asked]
+    readings = [named_output(plant.placed.drivetrain, channel) for channel in asked]
     plant.require_balance(forcing.drive.loads(float(forcing.parameters[0]))[0].real)
     low, high = float(forcing.parameters[0]), float(forcing.parameters[-1])
     problem = PeriodicProblem(plant, forcing.drive, high)
@@ -136,8 +136,8 @@ def _branches(
     acting = tuple(map(Same, forcing.drivetrain.definition.excitations.values()))
     key = ("branches", acting, excitation, forcing.reference, ends, harmonics, subharmonics)
 
-    def size(found: list[FoundBranch]) -> int:
-        return sum(4 * point.u.nbytes for one in found for point in one.branch.points)
+    def size(branches: list[FoundBranch]) -> int:
+        return sum(4 * point.u.nbytes for branch in branches for point in branch.branch.points)
 
     return shared_by_conditions(
         forcing.drivetrain, list, key, lambda: all_branches(problem, *ends, harmonics, subharmonics), size
@@ -162,48 +162,48 @@ def _result(
     motions: list[FoundMotion] = []
     beyond: list[tuple[int, float, str]] = []
     missed: list[float] = []
-    for number, one in enumerate(branches):
-        listed = list(motions_along(one, forcing.parameters, harmonics, missed))
+    for number, branch in enumerate(branches):
+        listed = list(motions_along(branch, forcing.parameters, harmonics, missed))
         ends = float(forcing.parameters[0]), float(forcing.parameters[-1])
-        for each in with_peaks(one, listed, readings, harmonics, ends):
-            left = one.problem.beyond(each.motion)
+        for each in with_peaks(branch, listed, readings, harmonics, ends):
+            left = branch.problem.beyond(each.motion)
             if left:
                 beyond.append((number, each.motion.parameter, left))
             else:
-                motions.append(_found(one.problem, each.motion, each.turn, number, readings))
+                motions.append(_found(branch.problem, each.motion, each.turn, number, readings))
     if not motions:
         what = beyond[0][2] if beyond else "no motion was found where one was asked for; ask for more places"
         raise SolveError(what, kind="beyond-table" if beyond else "no-period")
-    found = PeriodicResponse(
-        over, forcing.reference, forcing.order, tuple(one.channel for one in readings), tuple(motions),
-        tuple(one.branch.way for one in branches), forcing.drivetrain.title,
+    response = PeriodicResponse(
+        over, forcing.reference, forcing.order, tuple(reading.channel for reading in readings), tuple(motions),
+        tuple(branch.branch.way for branch in branches), forcing.drivetrain.title,
     )  # fmt: skip
     begun = {
-        number: f"{BEGUN[one.begins.kind]} at {found.shown(one.begins.motion.parameter):.8g} {found.unit}"
-        for number, one in enumerate(branches)
-        if one.begins is not None
+        number: f"{BEGUN[branch.begins.kind]} at {response.shown(branch.begins.motion.parameter):.8g} {response.unit}"
+        for number, branch in enumerate(branches)
+        if branch.begins is not None
     }
-    ways = tuple(begun.get(number, way) for number, way in enumerate(found.ways))
-    return replace(found, ways=ways, notes=tuple(periodic_notes(found, branches, beyond, missed)))
+    ways = tuple(begun.get(number, way) for number, way in enumerate(response.ways))
+    return replace(response, ways=ways, notes=tuple(periodic_notes(response, branches, beyond, missed)))
 
 
 def motions_along(
-    one: FoundBranch, parameters: FloatArray, harmonics: Harmonics, missed: list[float]
+    branch: FoundBranch, parameters: FloatArray, harmonics: Harmonics, missed: list[float]
 ) -> Iterator[ListedMotion]:
     """Yield the motions of a branch in its order: those at parameters asked for, and where it turns with the kind.
 
     Parameters at which the branch passes, but no motion with enough harmonics was found, go to ``missed``.
     """
-    crossings: list[tuple[int, PeriodicMotion, str]] = [(each.place, each.motion, each.kind) for each in one.forks]
-    crossings += [(place, motion, "second frequency") for place, motion in one.second_frequencies]
-    for number, (before, after) in enumerate(pairwise(one.branch.points)):
+    crossings: list[tuple[int, PeriodicMotion, str]] = [(each.place, each.motion, each.kind) for each in branch.forks]
+    crossings += [(place, motion, "second frequency") for place, motion in branch.second_frequencies]
+    for number, (before, after) in enumerate(pairwise(branch.branch.points)):
         lines: list[tuple[float, PeriodicMotion, str]] = []
         lower, upper = sorted((before.p, after.p))
         inside = parameters[(parameters >= lower) & (parameters < upper)] if before.p < after.p else (
             parameters[(parameters > lower) & (parameters <= upper)]
         )  # fmt: skip
         for at in inside.tolist():
-            motion = _between(one.problem, before, after, at, harmonics)
+            motion = _between(branch.problem, before, after, at, harmonics)
             if motion is None:
                 missed.append(at)
             else:
@@ -211,7 +211,7 @@ def motions_along(
         lines += [(abs(each.parameter - before.p), each, kind) for place, each, kind in crossings if place == number]
         along = [ListedMotion(number, motion, turn) for _, motion, turn in sorted(lines, key=lambda line: line[0])]
         fold = (
-            located_fold(one.problem, before, after, one.branch.tracer.n_laws)
+            located_fold(branch.problem, before, after, branch.branch.tracer.n_laws)
             if before.turns * after.turns < 0
             else None
         )

@@ -145,22 +145,22 @@ class PeriodicResponse(SavedResult):
 
     def motions_at(self, at: float) -> tuple[FoundMotion, ...]:
         """Motions at a frequency in Hz or speed in rad/s that was asked for."""
-        return tuple(one for one in self.motions if not one.turn and math.isclose(one.at, at, rel_tol=1e-9))
+        return tuple(motion for motion in self.motions if not motion.turn and math.isclose(motion.at, at, rel_tol=1e-9))
 
     def stable_at(self, at: float) -> tuple[FoundMotion, ...]:
         """Stable motions at a frequency in Hz or speed in rad/s that was asked for: those that can be met."""
-        return tuple(one for one in self.motions_at(at) if one.is_stable)
+        return tuple(motion for motion in self.motions_at(at) if motion.is_stable)
 
     def turns(
         self, kind: Literal["fold", "doubling", "symmetry", "second frequency"] | None = None
     ) -> tuple[FoundMotion, ...]:
         """Motions at which branches turn, or those of one kind, as folds and onsets of a second frequency."""
-        return tuple(one for one in self.motions if one.on_edge and kind in (None, one.turn))
+        return tuple(motion for motion in self.motions if motion.on_edge and kind in (None, motion.turn))
 
     @property
     def peaks(self) -> tuple[FoundMotion, ...]:
         """Motions between places asked for at which an output swings further than at those beside it."""
-        return tuple(one for one in self.motions if one.turn == "peak")
+        return tuple(motion for motion in self.motions if motion.turn == "peak")
 
     def peak_to_peak(self, motion: FoundMotion, output: str | None = None) -> float:
         """Highest less lowest value of an output in a motion, in SI units."""
@@ -181,15 +181,15 @@ class PeriodicResponse(SavedResult):
 
         A stable motion ends at a fold: at the highest place of a branch a run-up leaves it, at the lowest a run-down.
         """
-        found = []
+        jumps = []
         for before, fold, after in zip(self.motions, self.motions[1:], self.motions[2:], strict=False):
             if (
                 fold.turn == "fold"
                 and before.branch == fold.branch == after.branch
                 and (before.is_stable or after.is_stable)
             ):
-                found.append(("run-up" if fold.at >= max(before.at, after.at) else "run-down", fold.at))
-        return tuple(found)
+                jumps.append(("run-up" if fold.at >= max(before.at, after.at) else "run-down", fold.at))
+        return tuple(jumps)
 
     def shown(self, at: float) -> float:
         """Frequency in Hz, or speed in rpm, of a place."""
@@ -211,16 +211,16 @@ class PeriodicResponse(SavedResult):
         return tuple(self._rows())
 
     def _rows(self) -> Iterator[PeriodicRow]:
-        for one in self.motions:
-            periods = f"repeats after {one.periods} periods" if one.periods > 1 else ""
-            worst = _shown(complex(one.multipliers[0])) if len(one.multipliers) else ""
+        for motion in self.motions:
+            periods = f"repeats after {motion.periods} periods" if motion.periods > 1 else ""
+            worst = _shown(complex(motion.multipliers[0])) if len(motion.multipliers) else ""
             for place, channel in enumerate(self.outputs):
-                low, high = float(one.lowest[place]), float(one.highest[place])
-                what = one.turn or periods
-                at, unit = self.shown(one.at), channel.unit
+                low, high = float(motion.lowest[place]), float(motion.highest[place])
+                what = motion.turn or periods
+                at, unit = self.shown(motion.at), channel.unit
                 yield PeriodicRow(
-                    at, self.unit, one.branch + 1, what, channel.name, low, high, high - low, unit, one.stability,
-                    worst, one.harmonics,
+                    at, self.unit, motion.branch + 1, what, channel.name, low, high, high - low, unit, motion.stability,
+                    worst, motion.harmonics,
                 )  # fmt: skip
 
     @property
@@ -261,7 +261,7 @@ class PeriodicRecord:
     notes: tuple[str, ...]
 
     @classmethod
-    def of(cls, found: PeriodicResponse, configuration: str) -> PeriodicRecord:
+    def of(cls, response: PeriodicResponse, configuration: str) -> PeriodicRecord:
         """Record of a periodic response."""
-        jumps = tuple(Jump(way, found.shown(at), found.unit) for way, at in found.jumps)
-        return cls(configuration, found.title, found.rows, jumps, found.sentences)
+        jumps = tuple(Jump(way, response.shown(at), response.unit) for way, at in response.jumps)
+        return cls(configuration, response.title, response.rows, jumps, response.sentences)

@@ -107,7 +107,7 @@ def stability_of(problem: PeriodicProblem, motion: PeriodicMotion, *, on_edge: b
         return Stability(counted[1], growing=counted[0])
     if not split.smooth and not problem.plant.turning.any():
         return _over_contacts(problem, motion, 0 if on_edge else MOST_CLOSED)
-    if all(isinstance(one, CurveForce | PieceForce) for one in problem.forces):
+    if all(isinstance(force, CurveForce | PieceForce) for force in problem.forces):
         return _variational(problem, motion)
     return Stability(np.zeros(0, dtype=complex), "friction that sticks beside laws without straight pieces")
 
@@ -125,7 +125,7 @@ def _over_contacts(problem: PeriodicProblem, motion: PeriodicMotion, most: int) 
     size = np.abs(z[own]).max()
     if left_open > (CLOSED if most else NEAR) or np.abs((first - z)[own]).max() > NEAR * size:
         return Stability(np.zeros(0, dtype=complex), "over its contact states the motion does not close")
-    over_twist = np.array([one.law.curve.over == "twist" for one in problem.plant.laws])
+    over_twist = np.array([law.law.curve.over == "twist" for law in problem.plant.laws])
     idle = bool((over_twist & ~motion.torques.any(axis=0)).any())
     return Stability(march.multipliers(passage), march=march, passage=passage, idle=idle)
 
@@ -135,7 +135,7 @@ def _variational(problem: PeriodicProblem, motion: PeriodicMotion) -> Stability:
     bare = replace(plant.in_time.plant, laws=())
     n_q, n_laws = plant.rows.shape[1], len(plant.laws)
     drive = Drive(-plant.rows.T, (), 0, np.zeros((0, 0)), np.zeros((n_laws, 0)))
-    at = Layout(n_q, sum(len(one.F) for one in bare.actions), 0, n_laws)
+    at = Layout(n_q, sum(len(action.F) for action in bare.actions), 0, n_laws)
     try:
         form = relative_form(bare, at, contact_form(bare, (), (), drive))
     except (UsageError, SolveError) as error:
@@ -166,7 +166,7 @@ def _slopes(
 ) -> FloatArray:
     """Changes (count, n_laws, n) of the torques of laws over the states, at a place from 0 to 1 in every step."""
     k = np.arange(motion.harmonics + 1)
-    found = []
+    over_states = []
     for number, force in enumerate(problem.forces):
         # x at t + place h: every harmonic turned on by that much
         x = motion.x[:, number] * np.exp(2j * math.pi * k * place / count)
@@ -176,5 +176,5 @@ def _slopes(
         change = answer.slope[:, None] * angles[number]
         if answer.rate_slope is not None:
             change = change + answer.rate_slope[:, None] * rates[number]
-        found.append(change)
-    return np.stack(found, axis=1)
+        over_states.append(change)
+    return np.stack(over_states, axis=1)

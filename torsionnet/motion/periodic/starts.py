@@ -37,7 +37,7 @@ def _scaled_loads(problem: PeriodicProblem, parameter: float, *, vibrates: bool)
 def mean_start(problem: PeriodicProblem, parameter: float) -> ComplexArray | None:
     """Motion x (2, n_laws) at rest under the mean torques at a parameter; None where the way to it gets lost."""
     way = copy(problem)
-    laws_over_twist = np.array([bool(one.reference) for one in problem.plant.laws])
+    laws_over_twist = np.array([bool(law.reference) for law in problem.plant.laws])
     way.shares = lambda parameter: np.where(laws_over_twist, parameter, 1.0)
     way.drive, way.parameter_scale = _scaled_loads(problem, parameter, vibrates=False), 1.0
     start = way.balance(0.0, 1).driven
@@ -50,8 +50,8 @@ def mean_start(problem: PeriodicProblem, parameter: float) -> ComplexArray | Non
         if following.p >= 1:
             share = (1 - point.p) / (following.p - point.p)
             between = point.u + share * (following.u - point.u)
-            found = way.solve(1.0, unpacked(between, len(problem.forces)), 1)
-            return None if found is None else found.x
+            motion = way.solve(1.0, unpacked(between, len(problem.forces)), 1)
+            return None if motion is None else motion.x
         point = following
     return None
 
@@ -62,9 +62,9 @@ def from_rest(problem: PeriodicProblem, parameter: float) -> Iterator[PeriodicMo
         if (before.p - 1) * (after.p - 1) <= 0 and before.p != after.p:
             share = (1 - before.p) / (after.p - before.p)
             between = before.u + share * (after.u - before.u)
-            found = problem.solve(parameter, unpacked(between, len(problem.forces)))
-            if found is not None:
-                yield found
+            motion = problem.solve(parameter, unpacked(between, len(problem.forces)))
+            if motion is not None:
+                yield motion
 
 
 def _way(problem: PeriodicProblem, parameter: float) -> tuple[Tracer | None, list[BranchPoint]]:

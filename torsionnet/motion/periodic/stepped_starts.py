@@ -40,9 +40,9 @@ def from_simulation(
         swing = np.ptp(last, axis=1)
         if (np.abs(last - before).max(axis=1) <= REPEATS * np.maximum(swing, REPEATS * swing.max())).all():
             own = problem.with_subharmonics(count)
-            found = own.solve(parameter, _motions(own, parameter, last))
-            if found is not None:
-                yield found
+            motion = own.solve(parameter, _motions(own, parameter, last))
+            if motion is not None:
+                yield motion
             return
         count *= 2
 
@@ -54,25 +54,25 @@ def _simulated(problem: PeriodicProblem, parameter: float, state: str | MotionSt
     period = max(SAMPLES, 2 ** math.ceil(math.log2(8 * len(loads))))
     n = SAMPLES * (period // SAMPLES)
     torques = {
-        one.of if one.against is None else f"{one.of}-{one.against}": np.append(
+        channel.of if channel.against is None else f"{channel.of}-{channel.against}": np.append(
             np.tile(over_time(loads[:, place], n), PERIODS), over_time(loads[:, place], n)[:1]
         )
-        for place, one in enumerate(plant.inputs)
+        for place, channel in enumerate(plant.inputs)
     }
     nodes = list(plant.assembly.nodes)
     rate = n * omega / (2 * math.pi)
     record = simulate_torques(plant.drivetrain, nodes, torques, rate, state)
-    return np.array([record[one].values[: -1 : n // SAMPLES] for one in nodes])
+    return np.array([record[node].values[: -1 : n // SAMPLES] for node in nodes])
 
 
 def _motions(problem: PeriodicProblem, parameter: float, twists: FloatArray) -> ComplexArray:
     """Harmonics (n, n_laws) of x = g + T/r of twists (n_laws, n) over one period of the motion."""
     harmonics = TAKEN * problem.subharmonics
-    g = np.stack([harmonics_of(one, harmonics) for one in twists], axis=1)
+    g = np.stack([harmonics_of(samples_of, harmonics) for samples_of in twists], axis=1)
     balance = problem.balance(parameter, harmonics)
     s = 1j * balance.omega * np.arange(harmonics + 1)[:, None]
-    g = g * s ** np.array([one.power for one in problem.forces])
-    yielding = np.array([one.yielding for one in problem.forces])
+    g = g * s ** np.array([force.power for force in problem.forces])
+    yielding = np.array([force.yielding for force in problem.forces])
     if not yielding.any():
         return np.asarray(g)
     # G tau = driven - g and tau = T (1 + k_0/r) - k_0 x = T - k_0 g

@@ -236,9 +236,9 @@ class GridTie:
 
         times = np.arange(len(twists)) / rate - self.at
         angles = self.angle + self.pole_pairs * (twists - twist) + slip * times
-        found = -self.torque * (np.sin(angles) - sin(self.angle))
-        found[: first_sample(self.at, rate)] = 0.0
-        return np.asarray(found)
+        torque = -self.torque * (np.sin(angles) - sin(self.angle))
+        torque[: first_sample(self.at, rate)] = 0.0
+        return np.asarray(torque)
 
 
 @dataclass(frozen=True)

@@ -149,22 +149,22 @@ class ShortCircuitScenario(Scenario):
         return (self.machine,)
 
     def name_faults(self, model: ScenarioSubject) -> list[Fault]:
-        found = machine_of(model, self.machine)
-        if isinstance(found, Fault):
-            return [found.under("machine")]
+        machine = machine_of(model, self.machine)
+        if isinstance(machine, Fault):
+            return [machine.under("machine")]
         faults = []
-        if self.rated_torque is None and found.torque is None:
+        if self.rated_torque is None and machine.torque is None:
             text = f"{self.machine} does not say which torque is 1 per unit; give rated_torque: 2.4 MN*m"
             faults.append(Fault(text, on_key=True, kind="missing-entry"))
-        if self.frequency is None and found.frequency is None:
+        if self.frequency is None and machine.frequency is None:
             text = f"{self.machine} does not say the frequency of its line; give frequency: 50 Hz"
             faults.append(Fault(text, on_key=True, kind="missing-entry"))
-        return faults if self.angle is None else [*faults, *self._grid_faults(model, found)]
+        return faults if self.angle is None else [*faults, *self._grid_faults(model, machine)]
 
     def _grid_faults(self, model: ScenarioSubject, machine: FaultedMachine) -> list[Fault]:
         """Faults of a machine that cannot be synchronised."""
-        for name, one in model.elements.items():
-            if one.kind in TIED and getattr(one, "node", None) == machine.node and one.enabled:
+        for name, element in model.elements.items():
+            if element.kind in TIED and getattr(element, "node", None) == machine.node and element.enabled:
                 text = f"{name} is on the grid already, with its synchronising torque; put an inertia in its place"
                 return [Fault(f"{text}, and give rated_torque and frequency", ("machine",), kind="missing-entry")]
         if self._frequency(model, machine) is not None and self._pairs(model, machine) is None:
@@ -214,21 +214,23 @@ class ShortCircuitScenario(Scenario):
 
         That of a faulty synchronisation is the torque on a rotor that keeps its angle ahead of the grid.
         """
-        omega, one = 2 * pi * frequency, 1.0 / float(value(self.x) + value(self.x_external))
+        omega, per_reactance = 2 * pi * frequency, 1.0 / float(value(self.x) + value(self.x_external))
         slow = 0.0 if self.decay is None else 1 / float(value(self.decay))
         quick = 0.0 if self.decay_double is None else 1 / float(value(self.decay_double))
         before = (HistoryPiece(0.0),) if self.at > 0 else ()
         if self.phases is None:
             half = float(value(self.angle)) / 2
-            size = -rated * one * 2 * sin(half)  # sin(w t + delta) - sin(w t) = 2 sin(delta/2) cos(w t + delta/2)
+            size = (
+                -rated * per_reactance * 2 * sin(half)
+            )  # sin(w t + delta) - sin(w t) = 2 sin(delta/2) cos(w t + delta/2)
             waves: tuple[Wave, ...] = (
                 Wave(complex(size * cos(half)), 0j),
                 Wave(rect(-size, half), complex(-slow, omega)),
             )
         else:  # Re(-j e^(j omega t)) = sin(omega t)
-            waves = (Wave(complex(0.0, rated * one), complex(-slow, omega)),)
+            waves = (Wave(complex(0.0, rated * per_reactance), complex(-slow, omega)),)
             if self.phases == 2:
-                waves += (Wave(complex(0.0, -rated * one / 2), complex(-quick, 2 * omega)),)
+                waves += (Wave(complex(0.0, -rated * per_reactance / 2), complex(-quick, 2 * omega)),)
         return TimeHistory((*before, HistoryPiece(self.at, waves=waves)))
 
 
@@ -254,38 +256,40 @@ class FaultedMachine:
 
 def machine_of(model: ScenarioSubject, name: str) -> FaultedMachine | Fault:
     """Machine that a scenario names, an element on one rotor or an excitation of type electric_machine."""
-    one: Any = model.elements.get(name)
-    if one is None:
-        one = model.excitations.get(name)
-        if one is None or one.kind != "electric_machine":
+    machine: Any = model.elements.get(name)
+    if machine is None:
+        machine = model.excitations.get(name)
+        if machine is None or machine.kind != "electric_machine":
             if name in model.nodes:
                 return Fault(f'"{name}" is a node; name the element on it that is the machine', kind="unknown-element")
-            machines = [key for key, found in model.excitations.items() if found.kind == "electric_machine"]
+            machines = [key for key, source in model.excitations.items() if source.kind == "electric_machine"]
             return unknown_name("machine", name, [*model.elements, *machines], ())
-    node = getattr(one, "node", None)
+    node = getattr(machine, "node", None)
     if not isinstance(node, str):
         return Fault(
             f"{name} has no rotor on one node; name the element that is the rotor or the machine", kind="not-applicable"
         )
-    if one.kind not in ROTORS:
-        text = f"{name} is a {one.kind.replace('_', ' ')}, no electric machine; name one, or the inertia of its rotor"
+    if machine.kind not in ROTORS:
+        text = (
+            f"{name} is a {machine.kind.replace('_', ' ')}, no electric machine; name one, or the inertia of its rotor"
+        )
         return Fault(text, kind="not-applicable")
-    stator = next((found for key in ("stator", "housing") if (found := getattr(one, key, None))), None)
-    torque, frequency = _rating(one, node, model)
-    pairs, speed = getattr(one, "pole_pairs", None), model.speeds.get(node)
+    stator = next((part for key in ("stator", "housing") if (part := getattr(machine, key, None))), None)
+    torque, frequency = _rating(machine, node, model)
+    pairs, speed = getattr(machine, "pole_pairs", None), model.speeds.get(node)
     return FaultedMachine(node, None if stator == "ground" else stator, torque, frequency, pairs, speed)
 
 
-def _rating(one: Any, node: str, model: ScenarioSubject) -> tuple[float | None, float | None]:
+def _rating(machine: Any, node: str, model: ScenarioSubject) -> tuple[float | None, float | None]:
     """Rated torque in N m and line frequency in Hz of a machine, each None where it does not say it."""
 
     def given(name: str) -> float | None:
-        found = getattr(one, name, None)
-        return float(model.value(found)) if isinstance(found, Expression) else found
+        rating = getattr(machine, name, None)
+        return float(model.value(rating)) if isinstance(rating, Expression) else rating
 
-    if one.kind == "grid_generator":
+    if machine.kind == "grid_generator":
         power, speed = given("rated_power"), given("speed")
         return (power / speed if power and speed else None), given("grid_frequency")
-    pairs, speed = getattr(one, "pole_pairs", None), abs(model.speeds.get(node, 0.0))
+    pairs, speed = getattr(machine, "pole_pairs", None), abs(model.speeds.get(node, 0.0))
     frequency = pairs * speed / (2 * pi) if pairs and speed else None
     return given("rated_torque"), frequency

@@ -73,7 +73,7 @@ class HistoryPiece:
     def begun(self, start: float) -> HistoryPiece:
         """Piece with the same values, counted from another time in s."""
         passed = start - self.start
-        waves = tuple(Wave(one.amplitude * exp(one.exponent * passed), one.exponent) for one in self.waves)
+        waves = tuple(Wave(wave.amplitude * exp(wave.exponent * passed), wave.exponent) for wave in self.waves)
         return HistoryPiece(start, self.value + self.slope * passed, self.slope, waves)
 
 
@@ -101,7 +101,7 @@ class TimeHistory:
     @property
     def breaks(self) -> tuple[float, ...]:
         """Times in s at which a new piece begins, that of the first left out."""
-        return tuple(one.start for one in self.pieces[1:])
+        return tuple(piece.start for piece in self.pieces[1:])
 
     def samples(self, rate: float, count: int) -> FloatArray:
         """Values (count,) of the history at ``rate`` Hz from 0 s; where it jumps, those after the jump."""
@@ -118,11 +118,15 @@ class TimeHistory:
         return self.pieces[max(0, bisect_right(self.pieces, time, key=lambda piece: piece.start) - 1)]
 
     def __add__(self, other: TimeHistory) -> TimeHistory:
-        starts = sorted({piece.start for one in (self, other) for piece in one.pieces})
+        starts = sorted({piece.start for history in (self, other) for piece in history.pieces})
         pieces = []
         for start in starts:
-            one, two = (history.piece_at(start).begun(start) for history in (self, other))
-            pieces.append(HistoryPiece(start, one.value + two.value, one.slope + two.slope, (*one.waves, *two.waves)))
+            first, second = (history.piece_at(start).begun(start) for history in (self, other))
+            pieces.append(
+                HistoryPiece(
+                    start, first.value + second.value, first.slope + second.slope, (*first.waves, *second.waves)
+                )
+            )
         return TimeHistory(tuple(pieces))
 
     @property
@@ -202,12 +206,12 @@ class StraightCourse:
 
     def at(self, value: Values) -> TimeHistory:
         """History of the course with the values of parameters."""
-        return straight((time, float(value(one))) for time, one in self.rows)
+        return straight((time, float(value(expression))) for time, expression in self.rows)
 
     def parts(self) -> Iterator[tuple[str, Expression]]:
         """Yield the name of the entry and the expression of every value of the course."""
-        for _, one in self.rows:
-            yield "", one
+        for _, expression in self.rows:
+            yield "", expression
 
 
 @dataclass(frozen=True)
@@ -276,7 +280,9 @@ class HistoryEntry(Composite[Course]):
         try:
             return SteadyCourse(self.of.coerce(raw)), []
         except EntryError as error:
-            return None, [replace(one, message=f"{one.message}; over time, as {self.example}") for one in error.faults]
+            return None, [
+                replace(fault, message=f"{fault.message}; over time, as {self.example}") for fault in error.faults
+            ]
 
     def _rows(self, raw: list[tuple[Any, Any]], *, keyed: bool) -> tuple[Course | None, list[Fault]]:
         if not raw:
@@ -302,10 +308,10 @@ class HistoryEntry(Composite[Course]):
                     )
                 )
             latest = max(latest, time)
-            one, found = self.of.read(given)
-            faults += [fault.under(*((key,) if keyed else (place, 1))) for fault in found]
-            if one is not None:
-                rows.append((time, one))
+            course, further = self.of.read(given)
+            faults += [fault.under(*((key,) if keyed else (place, 1))) for fault in further]
+            if course is not None:
+                rows.append((time, course))
         thrice = [time for time, after in zip([row[0] for row in rows], [row[0] for row in rows[2:]], strict=False)
                   if time == after]  # fmt: skip
         faults += [
@@ -328,21 +334,24 @@ class HistoryEntry(Composite[Course]):
         values: dict[str, Any] = {}
         for key, spec in specs.items():
             if raw.get(key) is not None:
-                values[key], found = spec.read(raw[key])
-                faults += [fault.under(key) for fault in found]
+                values[key], further = spec.read(raw[key])
+                faults += [fault.under(key) for fault in further]
         return (None, faults) if faults else (SineCourse(**values), [])
 
     def expressions(self, value: Any) -> tuple[tuple[EntryPath, Expression, str], ...]:
         wanted = {"frequency": "frequency", "phase": "angle"}
-        return tuple(((name,) if name else (), one, wanted.get(name, self.dimension)) for name, one in value.parts())
+        return tuple(
+            ((name,) if name else (), expression, wanted.get(name, self.dimension))
+            for name, expression in value.parts()
+        )
 
     def plain(self, value: Any) -> Json:
         if isinstance(value, SteadyCourse):
             return plain_scalar(value.value)
         if isinstance(value, SineCourse):
-            return {name: plain_scalar(one) for name, one in value.parts() if one != Number(0)}
+            return {name: plain_scalar(expression) for name, expression in value.parts() if expression != Number(0)}
         times = [time for time, _ in value.rows]
-        rows = [(f"{plain_number(time)} s", plain_scalar(one)) for time, one in value.rows]
+        rows = [(f"{plain_number(time)} s", plain_scalar(expression)) for time, expression in value.rows]
         return dict(rows) if len(set(times)) == len(times) else [list(row) for row in rows]
 
     def schema(self) -> Schema:

@@ -68,17 +68,17 @@ class TorqueScenario(Scenario):
     @classmethod
     def _own_keys(cls, raw: Mapping[Any, Any]) -> dict[Any, Any]:
         known = dict(cls.specs())
-        return {key: one for key, one in raw.items() if key in known or not isinstance(one, Mapping)}
+        return {key: given for key, given in raw.items() if key in known or not isinstance(given, Mapping)}
 
     @classmethod
     def read_entries(cls, raw: Mapping[Any, Any]) -> tuple[dict[str, Any], list[Fault]]:
         """Values of the entries that could be read, by name, and every fault; other tables are those of elements."""
         own = cls._own_keys(raw)
         values, faults = super().read_entries(own)
-        scaled, found = _SCALES.read({key: one for key, one in raw.items() if key not in own})
+        scaled, scale_faults = _SCALES.read({key: given for key, given in raw.items() if key not in own})
         if scaled or values.get("elements"):
             values["elements"] = {**(values.get("elements") or {}), **scaled}
-        return values, [*faults, *found]
+        return values, [*faults, *scale_faults]
 
     @classmethod
     def entry_specs(cls, raw: Mapping[Any, Any]) -> Mapping[Any, Spec[Any]]:
@@ -88,7 +88,7 @@ class TorqueScenario(Scenario):
     @classmethod
     def key_names(cls, raw: Mapping[Any, Any]) -> Mapping[Any, Spec[Any]]:
         own = cls._own_keys(raw)
-        return _SCALES.key_names({key: one for key, one in raw.items() if key not in own})
+        return _SCALES.key_names({key: given for key, given in raw.items() if key not in own})
 
     def contradictions(self) -> list[Fault]:
         if self.torque or self.elements:
@@ -110,8 +110,8 @@ class TorqueScenario(Scenario):
         clamp = "clamp of {element}"
         scales = [
             phrase(clamp if what == "clamp" else f"{what} of {{element}}", element=element)
-            for element, one in self.elements.items()
-            for what in one
+            for element, scaled in self.elements.items()
+            for what in scaled
         ]
         places, length = ", ".join(self.torque), f"{self.duration:g}"
         if not places:
@@ -128,12 +128,12 @@ class TorqueScenario(Scenario):
         return tuple(self.elements)
 
     def expressions(self) -> Iterator[tuple[EntryPath, Spec[object], Expression, str]]:
-        for place, one in self.torque.items():
-            for path, expression, dimension in _TORQUE.expressions(one):
+        for place, course in self.torque.items():
+            for path, expression, dimension in _TORQUE.expressions(course):
                 yield ("torque", place, *path), _TORQUE.of, expression, dimension
         for element, table in self.elements.items():
-            for what, one in table.items():
-                for path, expression, dimension in _SCALE.expressions(one):
+            for what, course in table.items():
+                for path, expression, dimension in _SCALE.expressions(course):
                     yield (element, what, *path), _SCALE.of, expression, dimension
 
     def name_faults(self, model: ScenarioSubject) -> list[Fault]:
@@ -156,7 +156,7 @@ class TorqueScenario(Scenario):
         for name, table in self.elements.items():
             element = model.elements.get(name)
             if element is None:
-                known = [*model.elements, *(one for one, _ in self.specs())]
+                known = [*model.elements, *(key for key, _ in self.specs())]
                 faults.append(unknown_name("element", name, known, (name,), on_key=True))
                 continue
             scales = scaled_names(element, model.value)
@@ -169,13 +169,13 @@ class TorqueScenario(Scenario):
 
     def histories(self, value: Values) -> dict[str, TimeHistory]:
         """Torques over time by node, with values of the parameters."""
-        return {place: one.at(value) for place, one in self.torque.items()}
+        return {place: history.at(value) for place, history in self.torque.items()}
 
     def course(self, model: ScenarioSubject) -> DrivingCourse:
         scales = {
-            (element, what): one.at(model.value)
+            (element, what): history.at(model.value)
             for element, table in self.elements.items()
-            for what, one in table.items()
+            for what, history in table.items()
         }
         return DrivingCourse(torques=self.histories(model.value), scales=scales)
 
@@ -191,8 +191,8 @@ class TorqueScenario(Scenario):
     @classmethod
     def schema(cls, *, type_key: str = "") -> Schema:
         """JSON Schema of the scenario, in which any other key is an element with what scales its torque."""
-        found = super().schema(type_key=type_key)
-        return {**found, "additionalProperties": _SCALES.of.schema()}
+        schema = super().schema(type_key=type_key)
+        return {**schema, "additionalProperties": _SCALES.of.schema()}
 
 
 def scaled_names(element: Element, value: Values) -> tuple[str, ...]:
@@ -201,4 +201,4 @@ def scaled_names(element: Element, value: Values) -> tuple[str, ...]:
         parts = element.whole_parts(value)
     except (ArithmeticError, KeyError, TorsionnetError):  # other checks say what its values lack
         return ()
-    return tuple(dict.fromkeys(one.scaled_by for one in parts if isinstance(one, MotionLaw) and one.scaled_by))
+    return tuple(dict.fromkeys(law.scaled_by for law in parts if isinstance(law, MotionLaw) and law.scaled_by))
