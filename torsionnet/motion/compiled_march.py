@@ -29,7 +29,7 @@ except ImportError as error:
 def near_zero(values: Any, count: int) -> Any:
     """Steps in which guards may pass zero, and these guards, see :func:`.marching.near_zero`."""
     steps, guards = np.empty(count * values.shape[1], dtype=np.int64), np.empty(count * values.shape[1], dtype=np.int64)
-    found, last = 0, values.shape[0] - 1
+    pairs, last = 0, values.shape[0] - 1
     for step in range(count):
         for guard in range(values.shape[1]):
             here, there = values[step, guard], values[step + 1, guard]
@@ -39,9 +39,9 @@ def near_zero(values: Any, count: int) -> Any:
                 bent = abs(values[place + 1, guard] - 2 * values[place, guard] + values[place - 1, guard])
                 bend = max(bend, bent)
             if min(here, there) < NEAR * bend:
-                steps[found], guards[found] = step, guard
-                found += 1
-    return steps[:found], guards[:found]
+                steps[pairs], guards[pairs] = step, guard
+                pairs += 1
+    return steps[:pairs], guards[:pairs]
 
 
 def put(target: Any, values: Any) -> None:
@@ -52,34 +52,34 @@ def put(target: Any, values: Any) -> None:
 
 def sum_of_products(matrix: Any, vector: Any, other: Any, torques: Any) -> Any:
     """Sum of two products of matrices and vectors."""
-    found, further = np.dot(matrix, vector), np.dot(other, torques)
-    for k in range(found.shape[0]):
-        found[k] += further[k]
-    return found
+    total, further = np.dot(matrix, vector), np.dot(other, torques)
+    for k in range(total.shape[0]):
+        total[k] += further[k]
+    return total
 
 
 def size_of(sizes: Any, z: Any) -> float:
     """Size of the terms of a guard."""
-    found = 0.0
+    size = 0.0
     for k in range(z.shape[0]):
-        found += sizes[k] * abs(z[k])
-    return found
+        size += sizes[k] * abs(z[k])
+    return size
 
 
 def moved(z: Any, rest: float, n_q: int, taylor: Any) -> Any:
     """State z at a place between two points of the finer grid, see :func:`.marching.moved`."""
     n_moving = taylor.shape[0] // DEGREE
-    terms, found, power = np.dot(taylor, z), z.copy(), 1.0
+    terms, at, power = np.dot(taylor, z), z.copy(), 1.0
     for k in range(n_q):
-        found[k] += rest * z[n_q + k]
+        at[k] += rest * z[n_q + k]
     for degree in range(DEGREE):
         power *= rest
         first, risen = degree * n_moving, power * rest / (degree + 2)
         for k in range(n_q):
-            found[k] += risen * terms[first + k]
+            at[k] += risen * terms[first + k]
         for k in range(n_moving):
-            found[n_q + k] += power * terms[first + k]
-    return found
+            at[n_q + k] += power * terms[first + k]
+    return at
 
 
 def numbers_of(coefficients: Any) -> Any:
@@ -115,7 +115,7 @@ COMPILED = (
 def _compiled() -> Callable[..., tuple[int, float, int]]:
     files = [Path(str(marching.__file__)), Path(__file__)]
     # numba keeps a function on disk until its own file changes, whatever the functions that it calls
-    version = hashlib.sha256(b"".join(one.read_bytes() for one in files)).hexdigest()[:12]
+    version = hashlib.sha256(b"".join(source.read_bytes() for source in files)).hexdigest()[:12]
     names: dict[str, Any] = {}
     for function in COMPILED:
         twin = FunctionType(function.__code__, {**function.__globals__, **names}, function.__name__)

@@ -90,14 +90,14 @@ def start_state(plant: MotionPlant, at: Layout, start: MotionStart) -> FloatArra
         named = [assembly.node_index[name] for name in given]
         wanted = np.array([_number(name, value) for name, value in given.items()])
         rows = assembly.T[named]
-        found = np.linalg.lstsq(rows, wanted, rcond=None)[0]
-        if np.abs(rows @ found - wanted).max() > 1e-9 * np.abs(wanted).max(initial=1e-300):
+        motion = np.linalg.lstsq(rows, wanted, rcond=None)[0]
+        if np.abs(rows @ motion - wanted).max() > 1e-9 * np.abs(wanted).max(initial=1e-300):
             names = ", ".join(given)
             raise UsageError(
                 f"{names} cannot start with these angles or speeds: rigid connections tie them",
                 kind="contradicting-values",
             )
-        z[place] = found
+        z[place] = motion
     return z
 
 
@@ -112,20 +112,20 @@ def _number(name: str, value: float) -> float:
 
 def relative_state(plant: MotionPlant, at: Layout, z: FloatArray) -> FloatArray:
     """State z with coordinates counted from those that turn with the whole, from one with all angles."""
-    found = z.copy()
+    relative = z.copy()
     for pivot, column in plant.turning:
         for place in (at.q, at.v):
             others = np.where(np.arange(at.n_q) == pivot, 0.0, column)
-            found[place] -= others * z[place][pivot]
-    return found
+            relative[place] -= others * z[place][pivot]
+    return relative
 
 
 def absolute_rates(plant: MotionPlant, rates: FloatArray) -> FloatArray:
     """Rates (n_q,) of coordinates from those counted from what turns with the whole."""
-    found = rates.copy()
+    absolute = rates.copy()
     for pivot, column in plant.turning:
-        found += np.where(np.arange(len(rates)) == pivot, 0.0, column) * rates[pivot]
-    return found
+        absolute += np.where(np.arange(len(rates)) == pivot, 0.0, column) * rates[pivot]
+    return absolute
 
 
 Contact = tuple[int, ...]
@@ -250,7 +250,7 @@ class ContactStates:
     def at_start(self, twists: FloatArray, rates: FloatArray, scales: FloatArray) -> Contact:
         """Contact state of rows at rest or in motion, (n_laws,) each in SI units; ``scales`` of all laws."""
         given = zip(self.laws, twists.tolist(), rates.tolist(), scales.tolist(), strict=True)
-        return tuple(self._at(*one) for one in given)
+        return tuple(self._at(*motion) for motion in given)
 
     def _at(self, law: LawPhases, twist: float, rate: float, scale: float) -> int:
         if isinstance(law, ChainPhases):
@@ -294,7 +294,9 @@ class ContactStates:
             phase, way, scale = law.phases[contact[number]], own.row @ loose.motions, self._scale(number, z)
             if phase.kind == "hold" or not (np.abs(way) > NEGLIGIBLE_ENTRY * np.abs(own.row).max()).any():
                 continue
-            hold = next((one for one in law.phases if law.over_rate and one.kind == "hold" and one.lower == 0), None)
+            hold = next(
+                (each for each in law.phases if law.over_rate and each.kind == "hold" and each.lower == 0), None
+            )
             torque = scale * phase.torque
             if hold is None:
                 torques -= torque * way
@@ -414,13 +416,13 @@ class ContactStates:
         """Elements and changes in words between two contact states, of those to tell."""
         laws = zip(self.laws, before, after, strict=True)
         words = [(law.owner, _in_words(law, law.phases[a], law.phases[b])) for law, a, b in laws if a != b]
-        return tuple(one for one in words if one[1])
+        return tuple(change for change in words if change[1])
 
 
 def _twice_as_long(stack: NDArray[Any]) -> NDArray[Any]:
-    found = np.zeros((2 * len(stack), *stack.shape[1:]), dtype=stack.dtype)
-    found[: len(stack)] = stack
-    return found
+    longer = np.zeros((2 * len(stack), *stack.shape[1:]), dtype=stack.dtype)
+    longer[: len(stack)] = stack
+    return longer
 
 
 def _changed(contact: Contact, number: int, phase: int) -> Contact:
@@ -434,7 +436,7 @@ def _in_words(law: LawPhases, before: Phase, after: Phase) -> str:
         return "reverses" if abs(after.place - before.place) > 1 else ""
     if "hold" in (before.kind, after.kind):
         return "stands" if after.kind == "hold" else "moves on"
-    touching, touched = (bool(one.side) and one.kind == "slope" for one in (after, before))
+    touching, touched = (bool(phase.side) and phase.kind == "slope" for phase in (after, before))
     if touching != touched:
         return "closes" if touching else "opens"
     if before.kind == "free" or after.kind == "free" or after.sense:
@@ -444,10 +446,10 @@ def _in_words(law: LawPhases, before: Phase, after: Phase) -> str:
 
 def _stage(law: LawPhases, phase: Phase) -> int:
     """Number of a stage, counted from 1 at the piece without twist."""
-    slopes = [one for one in law.phases if one.kind == "slope"]
+    slopes = [slope for slope in law.phases if slope.kind == "slope"]
     home = min(range(len(slopes)), key=lambda place: _distance(slopes[place]))
-    here = next(place for place, one in enumerate(slopes) if one.place == phase.place)
-    still = [place for place, one in enumerate(slopes) if _distance(one) == _distance(slopes[home])]
+    here = next(place for place, slope in enumerate(slopes) if slope.place == phase.place)
+    still = [place for place, slope in enumerate(slopes) if _distance(slope) == _distance(slopes[home])]
     return 1 + min(abs(here - place) for place in still)
 
 

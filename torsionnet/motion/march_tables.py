@@ -108,7 +108,7 @@ def pushes_of(steps: StepMatrices) -> FloatArray:
         twice[:, : (size + 1) * n_u] = steps.powers[level] @ push
         twice[:, size * n_u :] += push
         pushes.append(twice)
-    return np.concatenate([one.ravel() for one in pushes])
+    return np.concatenate([matrix.ravel() for matrix in pushes])
 
 
 def push_offsets(n_p: int, n_u: int) -> NDArray[np.int64]:
@@ -152,7 +152,7 @@ class MarchTable:
 
     @property
     def arrays(self) -> tuple[NDArray[Any], ...]:
-        return tuple(getattr(self, one.name) for one in fields(self))
+        return tuple(getattr(self, field.name) for field in fields(self))
 
 
 FIELDS = tuple(one.name for one in fields(MarchTable))
@@ -177,29 +177,29 @@ def guard_rows(form: ContactForm, laws: Sequence[LawPhases], contact: Sequence[i
 
     A guard that a law has not is 1.
     """
-    one = np.eye(at.size)[at.one]
-    found = np.tile(one, (guard_count(len(laws)), 1))
+    constant = np.eye(at.size)[at.one]
+    guards = np.tile(constant, (guard_count(len(laws)), 1))
     for number, (law, place) in enumerate(zip(laws, contact, strict=True)):
         phase = law.phases[place]
-        own = found[GUARDS_PER_LAW * number : GUARDS_PER_LAW * (number + 1)]
+        own = guards[GUARDS_PER_LAW * number : GUARDS_PER_LAW * (number + 1)]
         if phase.kind == "hold":
-            scale = one if scales[number] < 0 else form.inputs[scales[number]]
+            scale = constant if scales[number] < 0 else form.inputs[scales[number]]
             slack = 2 * HOLD_TOLERANCE * max(abs(phase.low), abs(phase.high))
             own[LOWER] = form.torques[number] - (phase.low - slack) * scale
             own[UPPER] = (phase.high + slack) * scale - form.torques[number]
             continue
         motion = form.rates[number] if law.over_rate else form.twists[number]
         if math.isfinite(phase.lower):
-            own[LOWER] = motion - phase.lower * one
+            own[LOWER] = motion - phase.lower * constant
         if math.isfinite(phase.upper):
-            own[UPPER] = phase.upper * one - motion
+            own[UPPER] = phase.upper * constant - motion
         if phase.sense:
             own[PUSH] = phase.sense * form.rates[number]
         elif phase.side and phase.damping:
             # k d + c d' of a contact, which pushes on its own side alone.
-            line = phase.torque * one + phase.stiffness * form.twists[number] + phase.damping * form.rates[number]
+            line = phase.torque * constant + phase.stiffness * form.twists[number] + phase.damping * form.rates[number]
             own[PUSH] = line * (phase.side if phase.kind == "slope" else -phase.side)
-    return found
+    return guards
 
 
 def march_table(form: ContactForm, guards: FloatArray, at: Layout, h: float, n_sub: int) -> MarchTable:
@@ -247,9 +247,9 @@ def table_steps(tables: Sequence[NDArray[Any]], number: int, at: Layout) -> Step
 
 def changing_guards(guards: FloatArray, at: Layout) -> NDArray[np.int64]:
     """Numbers of the guards that a motion changes, at least one."""
-    one = np.eye(at.size)[at.one]
-    found = np.flatnonzero((guards != one).any(axis=1))
-    return found if len(found) else np.zeros(1, dtype=np.int64)
+    constant = np.eye(at.size)[at.one]
+    changing = np.flatnonzero((guards != constant).any(axis=1))
+    return changing if len(changing) else np.zeros(1, dtype=np.int64)
 
 
 def taylor_rows(rows: FloatArray, A: FloatArray) -> FloatArray:
@@ -262,6 +262,6 @@ def taylor_rows(rows: FloatArray, A: FloatArray) -> FloatArray:
 
 def _padded(rows: FloatArray, count: int) -> FloatArray:
     """Rows with zeros below, ``count`` in all, so that the tables of all contact states are of one size."""
-    found = np.zeros((count, rows.shape[1]))
-    found[: len(rows)] = rows
-    return found
+    padded = np.zeros((count, rows.shape[1]))
+    padded[: len(rows)] = rows
+    return padded

@@ -197,11 +197,11 @@ def moved(z: Any, rest: float, n_q: int, taylor: Any) -> Any:
     n_moving = taylor.shape[0] // DEGREE
     terms = np.dot(taylor, z).reshape(DEGREE, n_moving)
     powers = rest**EXPONENTS
-    found = z.copy()
+    at = z.copy()
     # Angles from rates: a term of t^k becomes one of t^(k+1) / (k + 1).
-    found[:n_q] += rest * (z[n_q : 2 * n_q] + np.dot(powers / (EXPONENTS + 1.0), terms)[:n_q])
-    found[n_q : n_q + n_moving] += np.dot(powers, terms)
-    return found
+    at[:n_q] += rest * (z[n_q : 2 * n_q] + np.dot(powers / (EXPONENTS + 1.0), terms)[:n_q])
+    at[n_q : n_q + n_moving] += np.dot(powers, terms)
+    return at
 
 
 def passed(z: Any, part: float, n_sub: int, n_q: int, halves: Any, taylor: Any) -> Any:
@@ -261,7 +261,7 @@ def located(
     """
     values = product(finer[: (n_sub + 1) * n_g], z).reshape(n_sub + 1, n_g)
     places, guards = near_zero(values, n_sub)
-    here, place, which, found = z, -1, -1, 2.0
+    here, place, which, first = z, -1, -1, 2.0
     for pair in range(places.shape[0]):
         start = places[pair] / n_sub
         # Pairs come in the order of time, so that no later point can have an earlier event.
@@ -274,10 +274,10 @@ def located(
         course = product(courses[guard * (DEGREE + 1) : (guard + 1) * (DEGREE + 1)], here)
         rounding = ROUNDING * size_of(sizes[guard], here)
         root = first_root(numbers_of(course), min(1.0 / n_sub, length - start), rounding)
-        if 0 <= root < found:
-            found, which = root, guard
+        if 0 <= root < first:
+            first, which = root, guard
     if which >= 0:
-        return place / n_sub + found, which, moved(here, found, n_q, taylor)
+        return place / n_sub + first, which, moved(here, first, n_q, taylor)
     return -1.0, -1, z
 
 

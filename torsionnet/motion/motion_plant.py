@@ -112,16 +112,18 @@ class MotionPlant:
         laws = zip(system.sparse_rows, system.stiffness, self.assembly.laws, strict=True)
         # Motions that neither springs nor contacts nor controllers feel.
         elastic = [row for row, stiffness, law in laws if stiffness and not _is_over_rate(law)]
-        felt = [one for one in self.actions if one.at_once[0] or one.G[:, 0].any()]  # with their states at rest
-        sensed = [dict(enumerate(one.sensed.tolist())) for one in felt]
+        felt = [
+            action for action in self.actions if action.at_once[0] or action.G[:, 0].any()
+        ]  # with their states at rest
+        sensed = [dict(enumerate(action.sensed.tolist())) for action in felt]
         rows = [*elastic, *({place: value for place, value in row.items() if value} for row in sensed)]
-        found = []
+        turning = []
         for column in null_space(rows, system.n_coordinates).columns:
             pivot, size = next(iter(column.items()))
             whole = np.zeros(system.n_coordinates)
             whole[list(column)] = np.array(list(column.values())) / size
-            found.append((pivot, whole))
-        return tuple(found)
+            turning.append((pivot, whole))
+        return tuple(turning)
 
 
 def _is_over_rate(law: Law) -> bool:
@@ -150,14 +152,18 @@ def motion_plant(drivetrain: AssembledModel) -> MotionPlant:
     UsageError
         A delay, or a law that depends on frequency, beside laws of motion.
     """
-    found = placed_plant(drivetrain)
-    _refuse(found.assembly)
-    return replace(found, actions=law_states(found.assembly))
+    plant = placed_plant(drivetrain)
+    _refuse(plant.assembly)
+    return replace(plant, actions=law_states(plant.assembly))
 
 
 def over_time(drivetrain: AssembledModel) -> AssembledModel:
     """Drivetrain whose elements have the laws of their motion over time."""
-    moved = {one.name: one.over_time for one in drivetrain.definition.switched_on if one.over_time is not one}
+    moved = {
+        element.name: element.over_time
+        for element in drivetrain.definition.switched_on
+        if element.over_time is not element
+    }
     if not moved:
         return drivetrain
     elements = {**drivetrain.definition.elements, **moved}
@@ -179,14 +185,14 @@ def placed_plant(drivetrain: AssembledModel) -> MotionPlant:
         for number, (owner, law) in enumerate(zip(assembly.owners, assembly.laws, strict=True))
         if isinstance(law, PlacedLaw) and law.motion is not None
     )
-    moving = tuple(one for one in laws if np.abs(one.row).max(initial=0.0) > 0)
+    moving = tuple(law for law in laws if np.abs(law.row).max(initial=0.0) > 0)
     return MotionPlant(plain, moving, ())
 
 
 def _refuse(assembly: Assembly) -> None:
     system = assembly.system
     over_frequency = {assembly.owners[number] for number, _ in system.dynamic}
-    delayed = {one.owner for one in system.actions if one.delay}
+    delayed = {action.owner for action in system.actions if action.delay}
     if over_frequency:
         names = ", ".join(sorted(over_frequency))
         text = "depends on frequency and cannot move in time beside laws of motion, nor from a given start"
@@ -324,8 +330,8 @@ class LawPhases:
 
     def of_piece(self, place: int, kind: str = "") -> int:
         """Number of the phase of a piece, of its free phase with ``kind`` "free"."""
-        found = [number for number, phase in enumerate(self.phases) if phase.place == place]
-        return found[-1] if kind == "free" and len(found) > 1 else found[0]
+        numbers = [number for number, phase in enumerate(self.phases) if phase.place == place]
+        return numbers[-1] if kind == "free" and len(numbers) > 1 else numbers[0]
 
     @property
     def last_place(self) -> int:
@@ -353,7 +359,7 @@ def law_phases(owner: str, law: MotionLaw, *, scaled: bool = False) -> LawPhases
             )
         else:
             phases += _of_slope(place, piece, scale)
-    if scaled and any(one.stiffness or one.damping for one in phases):
+    if scaled and any(phase.stiffness or phase.damping for phase in phases):
         raise UsageError(
             f"{owner}: a law whose torque grows with its motion cannot be scaled over time here", kind="unsupported-law"
         )
@@ -364,8 +370,8 @@ def _of_slope(place: int, piece: Slope, scale: float) -> list[Phase]:
     lower = -math.inf if piece.lower is None else float(piece.lower)
     upper = math.inf if piece.upper is None else float(piece.upper)
     torque, stiffness, damping = (scale * float(value) for value in (piece.torque, piece.stiffness, piece.damping))
-    found = [Phase("slope", place, torque, stiffness, damping, lower, upper, piece.side)]
+    phases = [Phase("slope", place, torque, stiffness, damping, lower, upper, piece.side)]
     # max(0, k d + c d'): within reach of each other, but free, where the damper would pull.
     if piece.side and damping:
-        found.append(Phase("free", place, torque, stiffness, damping, lower, upper, piece.side))
-    return found
+        phases.append(Phase("free", place, torque, stiffness, damping, lower, upper, piece.side))
+    return phases

@@ -62,7 +62,7 @@ def reading_plan(plant: MotionPlant, readings: Sequence[Functional], inputs: Seq
     UsageError
         The torque of a law on a rigid connection is read.
     """
-    places = {one.number: place for place, one in enumerate(plant.laws)}
+    places = {law.number: place for place, law in enumerate(plant.laws)}
     direct = [[float(reading.direct(channel.row)) for channel in inputs] for reading in readings]
     actions = [[action_share(plant.assembly, reading, action) for action in plant.actions] for reading in readings]
     return ReadingPlan(
@@ -104,17 +104,17 @@ def reading_rows(
         The torque of a law on a rigid connection is read.
     """
     plan = reading_plan(plant, readings, inputs) if plan is None else plan
-    found = np.zeros((len(readings), at.size)) + plan.direct @ form.inputs[: plan.direct.shape[1]]
-    found += plan.actions @ form.act
+    rows_of_readings = np.zeros((len(readings), at.size)) + plan.direct @ form.inputs[: plan.direct.shape[1]]
+    rows_of_readings += plan.actions @ form.act
     for number, terms in enumerate(plan.terms):
         for row, factors, place in terms:
             if row is None:
-                found[number] += factors[0] * form.torques[place]
+                rows_of_readings[number] += factors[0] * form.torques[place]
                 continue
             for factor, part in zip(factors, form.motion, strict=True):
                 if factor:
-                    found[number] += factor * (row @ part)
-    return found
+                    rows_of_readings[number] += factor * (row @ part)
+    return rows_of_readings
 
 
 COLUMNS = 256
@@ -178,8 +178,8 @@ class Stretches:
         """Values (n, n_points, n_rows) at grid points or between along whole steps, see :func:`.rows_along`."""
         ahead, pushed = rows
         driven = drive[self.numbers[:, 1, None] + np.arange(BLOCK + 1)].reshape(len(self.starts), -1)
-        found = self.starts @ ahead.reshape(-1, ahead.shape[2]).T + driven @ pushed.reshape(-1, pushed.shape[2]).T
-        return np.asarray(found.reshape(-1, *ahead.shape[:2]))
+        values = self.starts @ ahead.reshape(-1, ahead.shape[2]).T + driven @ pushed.reshape(-1, pushed.shape[2]).T
+        return np.asarray(values.reshape(-1, *ahead.shape[:2]))
 
     def whole_states(self, drive: FloatArray) -> FloatArray:
         """States z (N, n) at the beginning."""

@@ -83,7 +83,7 @@ def signal_peaks(recording: Recording) -> tuple[SignalPeaks, ...]:
 def peak_table(recording: Recording, title: str, words: str = "") -> Table:
     """Table of the highest and lowest value of every signal of a recording, with their times in s."""
     span = f"{len(recording)} samples at {recording.sampling_rate:g} Hz; peaks are those of the samples"
-    notes = [one for one in (words, span, *recording.notes) if one]
+    notes = [note for note in (words, span, *recording.notes) if note]
     return result_table(title, signal_peaks(recording), SignalPeaks, notes=notes)
 
 
@@ -99,7 +99,7 @@ def energy_table(recording: Recording, title: str = "Energy") -> Table | None:
     if recording.energy is None:
         return None
     energy = recording.energy.balance
-    largest = max(abs(energy.supplied), abs(energy.stored), *(abs(one) for one in energy.dissipated.values()), 0.0)
+    largest = max(abs(energy.supplied), abs(energy.stored), *(abs(heat) for heat in energy.dissipated.values()), 0.0)
     rest = (
         "nothing left over"
         if abs(energy.left_over) <= CLOSED_BALANCE * largest

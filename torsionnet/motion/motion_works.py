@@ -34,10 +34,10 @@ class EnergyRows:
 
     def at(self, Z: FloatArray) -> FloatArray:
         """Kinetic energy and energy stored in springs in J, shape (n,), at states Z (N, n)."""
-        found = self.weights @ (self.squares @ Z) ** 2
+        energies = self.weights @ (self.squares @ Z) ** 2
         for law, twists in zip(self.laws, self.twists @ Z, strict=True):
-            found += [float(law.energy(twist)) for twist in twists.tolist()]
-        return np.asarray(found)
+            energies += [float(law.energy(twist)) for twist in twists.tolist()]
+        return np.asarray(energies)
 
 
 def energy_rows(states: ContactStates, contact: Contact) -> EnergyRows:
@@ -50,7 +50,7 @@ def energy_rows(states: ContactStates, contact: Contact) -> EnergyRows:
     # sum of J gamma'^2 / 2 and k gamma^2 / 2 of linear laws; laws over the twist add energies of their own.
     squares = np.vstack([system.rows @ speed, system.rows @ position])
     weights = np.concatenate([system.inertia, system.stiffness * linear]) / 2
-    storing = [number for number, one in enumerate(plant.laws) if one.law.curve.over == "twist"]
+    storing = [number for number, law in enumerate(plant.laws) if law.law.curve.over == "twist"]
     laws = tuple(storing_law(states, contact, number) for number in storing)
     return EnergyRows(squares[weights != 0], weights[weights != 0], laws, form.twists[storing] @ refresh)
 
@@ -64,12 +64,12 @@ def storing_law(states: ContactStates, contact: Contact, number: int) -> MotionL
 def remembered_energies(states: ContactStates, contact: Contact, z: FloatArray) -> dict[str, float]:
     """Energy in J stored in laws that remember, by element, at a state z in SI units; their works do not tell it."""
     form = states.form(contact)
-    found: dict[str, float] = {}
+    energies: dict[str, float] = {}
     for law, place, twists in zip(states.laws, contact, form.twists, strict=True):
         phase = law.phases[place]
         if isinstance(phase, ChainPhase):
-            found[law.owner] = found.get(law.owner, 0.0) + phase.energy(float(twists @ form.refresh @ z))
-    return found
+            energies[law.owner] = energies.get(law.owner, 0.0) + phase.energy(float(twists @ form.refresh @ z))
+    return energies
 
 
 def stored_energy(states: ContactStates, contact: Contact, z: FloatArray) -> float:
@@ -86,11 +86,11 @@ def losing_law(laws: Sequence[LawPhases], before: Sequence[int], after: Sequence
     A preload that catches a row takes the energy of its motion. Friction that begins to slip at less than it stuck with
     lets what has no inertia beyond it, as the spring of a friction with stiffness, go back at once.
     """
-    for law, one, other in zip(laws, before, after, strict=True):
-        if one == other:
+    for law, first, second in zip(laws, before, after, strict=True):
+        if first == second:
             continue
-        catches = law.phases[other].kind == "hold" and not law.over_rate
-        lets_go = law.over_rate and law.phases[other].kind != "hold"
+        catches = law.phases[second].kind == "hold" and not law.over_rate
+        lets_go = law.over_rate and law.phases[second].kind != "hold"
         if catches or lets_go:
             return law.owner
     return ""
@@ -98,7 +98,7 @@ def losing_law(laws: Sequence[LawPhases], before: Sequence[int], after: Sequence
 
 def holding_law(laws: Sequence[LawPhases], contact: Sequence[int]) -> str:
     """Element whose law holds a row in a contact state, and may have let it go and caught it again at one time."""
-    return next((law.owner for law, one in zip(laws, contact, strict=True) if law.phases[one].kind == "hold"), "")
+    return next((law.owner for law, place in zip(laws, contact, strict=True) if law.phases[place].kind == "hold"), "")
 
 
 class EventLosses:
@@ -122,7 +122,7 @@ class EventLosses:
 
     def _lost(self, before: Stretches, after: Stretches) -> Iterator[tuple[str, float]]:
         pairs = zip(before.numbers[:, 0].tolist(), after.numbers[:, 0].tolist(), strict=True)
-        owners = [self._owner(before.contacts[one], after.contacts[other]) for one, other in pairs]
+        owners = [self._owner(before.contacts[first], after.contacts[second]) for first, second in pairs]
         which = np.array([number for number, owner in enumerate(owners) if owner], dtype=np.int64)
         if len(which):
             lost = self._energies(before.chosen(which), at_end=True) - self._energies(after.chosen(which))
@@ -138,13 +138,13 @@ class EventLosses:
 
     def _energies(self, stretches: Stretches, *, at_end: bool = False) -> FloatArray:
         """Stored energies (n,) in J at the beginnings of stretches, or at their ends."""
-        found = np.zeros(len(stretches.numbers))
+        energies = np.zeros(len(stretches.numbers))
         for number in np.unique(stretches.numbers[:, 0]).tolist():
             own = np.flatnonzero(stretches.numbers[:, 0] == number)
             few, contact = stretches.chosen(own), stretches.contacts[number]
             Z = self._ends(contact, few) if at_end else few.whole_states(self.drive)
-            found[own] = energy_rows(self.states, contact).at(Z)
-        return found
+            energies[own] = energy_rows(self.states, contact).at(Z)
+        return energies
 
     def _ends(self, contact: Contact, few: Stretches) -> FloatArray:
         """States z (N, n) at the ends of stretches in one contact state."""
@@ -216,7 +216,7 @@ def work_rows(states: ContactStates, contact: Contact, form: ContactForm, h: flo
     plant, at = states.plant, states.at
     squares: list[tuple[FloatArray, float, str]] = []
     products: list[tuple[FloatArray, FloatArray, float, str]] = []
-    system, speed, one = plant.assembly.system, form.motion[1], np.eye(at.size)[at.one]
+    system, speed, constant = plant.assembly.system, form.motion[1], np.eye(at.size)[at.one]
     # Dampers lose c gamma'^2.
     for number, law in enumerate(plant.assembly.laws):
         if system.damping[number] and not isinstance(law, PlacedLaw):
@@ -229,7 +229,7 @@ def work_rows(states: ContactStates, contact: Contact, form: ContactForm, h: flo
                 products.append((form.torques[number], rate, 1.0, law_of.owner))
         elif phase.kind == "free":
             # Free contact: no torque acts while its energy k d^2 / 2 goes down, which is lost.
-            line = phase.torque * one + phase.stiffness * form.twists[number]
+            line = phase.torque * constant + phase.stiffness * form.twists[number]
             products.append((line, rate, -1.0, law_of.owner))
         elif phase.sense:  # all that it takes up; what is stored of it stands in the balance
             products.append((form.torques[number], rate, 1.0, law_of.owner))
@@ -240,7 +240,7 @@ def work_rows(states: ContactStates, contact: Contact, form: ContactForm, h: flo
         products.append((form.inputs[number], column @ speed, 1.0, ""))
     for action, torque in zip(plant.actions, form.act, strict=True):
         products.append((torque, action.row @ speed, 1.0, ""))
-    rows = [row for row, _, _ in squares] + [one for one, _, _, _ in products] + [row for _, row, _, _ in products]
+    rows = [row for row, _, _ in squares] + [first for first, _, _, _ in products] + [row for _, row, _, _ in products]
     return WorkRows(
         np.array(rows) * in_steps(at, h),
         len(squares),
@@ -356,6 +356,6 @@ class Works:
 def _polynomial(coefficients: FloatArray, at: FloatArray) -> FloatArray:
     """Values of polynomials with ascending coefficients (DEGREE + 1, n_rows, n) at places (n,)."""
     value: FloatArray = coefficients[-1]
-    for one in coefficients[-2::-1]:
-        value = value * at + one
+    for coefficient in coefficients[-2::-1]:
+        value = value * at + coefficient
     return np.asarray(value)

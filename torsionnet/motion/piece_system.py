@@ -138,12 +138,12 @@ class PieceMotion:
         stretches = Stretches(self.states.contacts, numbers.copy(), times.copy(), starts.copy())
         record.add(stretches)
         self.kept.append(stretches)
-        if sum(one.nbytes for one in self.kept) > MOST_BYTES_KEPT:
+        if sum(part.nbytes for part in self.kept) > MOST_BYTES_KEPT:
             self._work_out()
 
     def _work_out(self) -> None:
-        for one in self.kept:
-            self.works.add(one)
+        for stretches in self.kept:
+            self.works.add(stretches)
         self.kept.clear()
 
     def _balance(self, stored: float, gained: Mapping[str, float]) -> EnergyBalance:
@@ -156,10 +156,10 @@ class PieceMotion:
     def _in_angles(self, contact: Contact, z: FloatArray) -> FloatArray:
         """State z in SI units with the angles and speeds of all coordinates."""
         at = self.states.at
-        found = z * in_steps(at, self.states.h)
+        angles = z * in_steps(at, self.states.h)
         position, speed, _ = self.states.form(contact).motion
-        found[at.q], found[at.v] = position @ found, speed @ found
-        return found
+        angles[at.q], angles[at.v] = position @ angles, speed @ angles
+        return angles
 
     def _z(self, p: FloatArray, i: int, f: float) -> FloatArray:
         return np.asarray(with_torques(p, i, f, self.states.at.n_u, self.drive.ravel()))
@@ -170,7 +170,7 @@ class PieceMotion:
 
     def _at_start(self, z: FloatArray) -> Contact:
         states, at = self.states, self.states.at
-        rows = np.array([one.row for one in states.plant.laws]).reshape(-1, at.n_q)
+        rows = np.array([law.row for law in states.plant.laws]).reshape(-1, at.n_q)
         scales = np.array([1.0 if place < 0 else self.drive[0, place] for place in states.drive.scale_of])
         return states.at_start(rows @ z[at.q], rows @ z[at.v], scales)
 
@@ -274,17 +274,17 @@ class Generators:
 
     def at(self, stretch: Stretch, time: float) -> FloatArray:
         """States (n_w,) of the generators at a time of a stretch; waves of others stand still at zero."""
-        found = np.zeros(2 * len(self.kinds))
-        for one in stretch.waves:
-            place = 2 * self.kinds.index((one.entry, one.exponent))
-            wave = one.amplitude * np.exp(one.exponent * (time - stretch.start))
-            found[place : place + 2] += wave.real, wave.imag
-        return found
+        states = np.zeros(2 * len(self.kinds))
+        for source in stretch.waves:
+            place = 2 * self.kinds.index((source.entry, source.exponent))
+            wave = source.amplitude * np.exp(source.exponent * (time - stretch.start))
+            states[place : place + 2] += wave.real, wave.imag
+        return states
 
 
 def generators_of(stretches: Sequence[Stretch], n_u: int) -> Generators:
     """Generators of all waves of stretches, with ``n_u`` entries of u."""
-    kinds = tuple(dict.fromkeys((one.entry, one.exponent) for stretch in stretches for one in stretch.waves))
+    kinds = tuple(dict.fromkeys((wave.entry, wave.exponent) for stretch in stretches for wave in stretch.waves))
     F, S = np.zeros((2 * len(kinds), 2 * len(kinds))), np.zeros((n_u, 2 * len(kinds)))
     for number, (entry, exponent) in enumerate(kinds):
         own = slice(2 * number, 2 * number + 2)
@@ -335,9 +335,9 @@ def simulate_pieces(
     cuts = [0.0, *driving.breaks, driving.duration]
     stretches = [driving.straight(start, end) for start, end in pairwise(cuts)]
     made = generators_of(stretches, n_in + n_scales)
-    scale_of = tuple(-1 if one < 0 else n_in + one for one in split.scale_of)
+    scale_of = tuple(-1 if scale < 0 else n_in + scale for scale in split.scale_of)
     drive = Drive(columns, scale_of, n_scales, made.F, made.S)
-    at = Layout(len(columns), sum(len(one.F) for one in plant.actions), len(made.F), drive.n_u)
+    at = Layout(len(columns), sum(len(action.F) for action in plant.actions), len(made.F), drive.n_u)
     z = np.zeros(at.size)
     own = slice(0, 2 * at.n_q + at.n_c)
     z[own], z[at.one] = z0[own], 1.0
@@ -366,7 +366,7 @@ class _DrivenMarch:
     ) -> MotionOverTime:
         """Motion from a state z to the last sample."""
         driving, at = self.driving, self.states.at
-        found = MotionOverTime(np.zeros((len(self.readings), driving.n)), (), EnergyBalance(0.0, 0.0))
+        motion_found = MotionOverTime(np.zeros((len(self.readings), driving.n)), (), EnergyBalance(0.0, 0.0))
         k, n_sub = steps_of(rates, 1 / driving.rate, driving.n, refinement)
         length = jumped = 0.0
         energy: float | None = None
@@ -376,8 +376,8 @@ class _DrivenMarch:
                 steps = max(1, math.ceil(run.interval * driving.rate * k - SAMPLE_SLACK))
                 h = run.interval / steps
                 if h != length:
-                    for one in parts:
-                        one.energy.left_over  # noqa: B018  works are those of the steps before
+                    for part in parts:
+                        part.energy.left_over  # noqa: B018  works are those of the steps before
                     self.states.with_steps(h, n_sub)
                     length = h
                 drive = self._grid(stretch, run, steps)
@@ -391,14 +391,14 @@ class _DrivenMarch:
                 energy = motion.energies[1]
                 if run.sample >= 0:
                     last = 1 if run.alone else run.n + 1
-                    found.values[:, run.sample : run.sample + last] = parts[-1].values[:, :last]
+                    motion_found.values[:, run.sample : run.sample + last] = parts[-1].values[:, :last]
                 elif run.n:
                     number = round((run.start + run.interval) * driving.rate)
                     if abs((run.start + run.interval) * driving.rate - number) < SAMPLE_SLACK:
-                        found.values[:, number] = parts[-1].values[:, -1]
+                        motion_found.values[:, number] = parts[-1].values[:, -1]
         events = tuple(event for part in parts for event in part.events)
         balances = [*(part.energy for part in parts), EnergyBalance(jumped, jumped)]
-        return MotionOverTime(found.values, events, DeferredBalance(lambda: added_up(balances)))
+        return MotionOverTime(motion_found.values, events, DeferredBalance(lambda: added_up(balances)))
 
     def _runs(self, stretch: Stretch) -> Iterator[_Run]:
         """Runs of a stretch: to the first sample in it, from there to the last one, and on to its end."""
@@ -429,7 +429,9 @@ class _DrivenMarch:
 def added_up(balances: Sequence[AnyBalance]) -> EnergyBalance:
     """Energy balance of motions that follow each other."""
     lost: dict[str, float] = {}
-    for one in balances:
-        for owner, value in one.dissipated.items():
+    for balance in balances:
+        for owner, value in balance.dissipated.items():
             lost[owner] = lost.get(owner, 0.0) + value
-    return EnergyBalance(sum(one.supplied for one in balances), sum(one.stored for one in balances), lost)
+    return EnergyBalance(
+        sum(balance.supplied for balance in balances), sum(balance.stored for balance in balances), lost
+    )

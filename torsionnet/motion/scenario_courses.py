@@ -65,16 +65,16 @@ def scenario_of(model: Defined, scenario: str | Scenario | Mapping[str, Any]) ->
             f"a scenario is named, or given as an object or by its entries, got {scenario!r}", kind="wrong-form"
         )
     made: tuple[Scenario | None, list[Fault]] = SCENARIOS.of.read(scenario)
-    found, wrong = made
-    if found is None or wrong:
+    read, wrong = made
+    if read is None or wrong:
         raise ModelError(wrong, "the scenario")
-    names = {name for _, _, expression, _ in found.expressions() for name in expression.names}
+    names = {name for _, _, expression, _ in read.expressions() for name in expression.names}
     unknown = [
         unknown_name("parameter", name, model.exact_values, ()) for name in sorted(names - {*model.exact_values})
     ]
     if unknown:
         raise UsageError("; ".join(fault.message for fault in unknown), kind="unknown-parameter")
-    return found
+    return read
 
 
 def driving_course(model: Defined, scenario: Scenario) -> DrivingCourse:
@@ -88,8 +88,8 @@ def driving_course(model: Defined, scenario: Scenario) -> DrivingCourse:
     subject = scenario_subject(model.definition, model.exact_values)
     faults = list(scenario.name_faults(subject))
     for name in scenario.needed:
-        one = subject.elements.get(name, subject.excitations.get(name))
-        if not getattr(one, "enabled", True):
+        part = subject.elements.get(name, subject.excitations.get(name))
+        if not getattr(part, "enabled", True):
             text = f"{name} is switched off here, and the scenario needs it; switch it on"
             faults.append(Fault(text, kind="switched-off"))
     if faults:
@@ -110,7 +110,7 @@ def unfit_scenarios(definition: Definition) -> list[Fault]:
             except (ModelError, KeyError):  # other checks say what is wrong with it
                 continue
             still = {
-                fault.path for fault in scenario_faults(changed, *dict.fromkeys(str(one.path[1]) for one in faults))
+                fault.path for fault in scenario_faults(changed, *dict.fromkeys(str(left.path[1]) for left in faults))
             }
             faults = [fault for fault in faults if fault.path in still]
     return faults

@@ -150,15 +150,15 @@ def _run_scenario(
 ) -> Recording:
     if sampling_rate is not None and not is_rate(sampling_rate):
         raise UsageError(f"the sampling rate must be a positive number of Hz, got {sampling_rate}", kind="out-of-range")
-    one = scenario_of(drivetrain, scenario)
+    chosen = scenario_of(drivetrain, scenario)
     if duration is not None:
-        one = replace(one, duration=duration)
-    driven = driven_places(drivetrain, one, start)
+        chosen = replace(chosen, duration=duration)
+    driven = driven_places(drivetrain, chosen, start)
     asked = _outputs(drivetrain) if outputs is None else outputs
-    rate = sampling_rate or one.rate or _default_rate(drivetrain, one, driven)
-    count = math.floor(one.length * rate + SAMPLE_SLACK) + 1
+    rate = sampling_rate or chosen.rate or _default_rate(drivetrain, chosen, driven)
+    count = math.floor(chosen.length * rate + SAMPLE_SLACK) + 1
     if count > MOST_SAMPLES:
-        text = f"{one.length:g} s at {rate:g} Hz are more than {MOST_SAMPLES} samples"
+        text = f"{chosen.length:g} s at {rate:g} Hz are more than {MOST_SAMPLES} samples"
         raise UsageError(f"{text}; give a lower rate or a shorter duration", kind="too-large")
     given = isinstance(driven.start, MotionStart)
     if given or driven.course.in_full or has_laws_of_motion(drivetrain):
@@ -189,7 +189,7 @@ def driven_places(
     histories = {node: constant(torque) for node, torque in means.items()}
     histories |= course.torques
     for place, history in course.added.items():
-        known = next((one for one in histories if nodes_of(drivetrain, one) == nodes_of(drivetrain, place)), None)
+        known = next((each for each in histories if nodes_of(drivetrain, each) == nodes_of(drivetrain, place)), None)
         histories[known or place] = histories[known] + history if known else history
     unloaded = not any(history.first for history in histories.values())
     if begins == OPERATING_POINT and unloaded and not has_laws_of_motion(drivetrain):
@@ -214,7 +214,7 @@ def _outputs(drivetrain: AssembledModel) -> list[str]:
 def _default_rate(drivetrain: AssembledModel, scenario: Scenario, driven: DrivenPlaces) -> float:
     """Sampling rate in Hz that shows the highest vibration and the fastest wave of a torque."""
     highest = float(np.max(natural_modes(drivetrain)[0].damped_frequencies, initial=0.0))
-    fastest = max([highest, *(one.fastest for one in driven.histories.values())])
+    fastest = max([highest, *(history.fastest for history in driven.histories.values())])
     rate = max(SAMPLES_PER_PERIOD * fastest, FEWEST_SAMPLES / scenario.length)
     return float(f"{min(rate, MOST_DEFAULT_SAMPLES / scenario.length):.3g}")
 
@@ -228,7 +228,7 @@ def _linear(
 ) -> Recording:
     """Recording of a linear drivetrain: the mean response under the torques at the start, and what changes after it."""
     names, histories = list(driven.histories), list(driven.histories.values())
-    torques = np.array([one.samples(rate, count) for one in histories])
+    torques = np.array([history.samples(rate, count) for history in histories])
     request = driven_request(drivetrain, outputs, dict(zip(names, torques, strict=True)))
     begun = "simulated: {model}, at rest before the first sample"
     offsets: FloatArray | None = np.zeros(len(request.outputs))
@@ -242,16 +242,18 @@ def _linear(
             )
     notes = [phrase(begun, model=drivetrain.title)]
     if offsets is not None and driven.start == OPERATING_POINT:
-        histories = [one + constant(-one.first) for one in histories]
+        histories = [history + constant(-history.first) for history in histories]
     # Laws over frequency and delays are solved for sampled torques.
     system = drivetrain.assembly.system
-    if system.dynamic or any(one.delay for one in system.actions):
+    if system.dynamic or any(action.delay for action in system.actions):
         if offsets is None:
             raise UsageError(
                 "with delays or laws over frequency the torques at the start must be in balance",
                 kind="unbalanced-torques",
             )
-        changes = torque_courses({name: one.samples(rate, count) for name, one in zip(names, histories, strict=True)})
+        changes = torque_courses(
+            {name: history.samples(rate, count) for name, history in zip(names, histories, strict=True)}
+        )
         motion = response_over_time(drivetrain, request, changes, rate)
         notes += ["torques run straight between samples", *read_notes(drivetrain, rate)]
     else:
@@ -274,20 +276,20 @@ def _mean_readings(drivetrain: AssembledModel, driven: DrivenPlaces, request: Tr
             torque[key] = Number(history.first + (float(torque[key].value) if key in torque else 0.0))
     point = OperatingPoint(drivetrain.definition.operating_point.speed, torque)
     loaded = drivetrain.with_definition(replace(drivetrain.definition, load=None, operating_point=point, authored=None))
-    found = np.zeros(len(request.outputs))
+    readings = np.zeros(len(request.outputs))
     wanted = [
         number
-        for number, one in enumerate(request.outputs)
-        if one.sensor is not None and reason_undetermined(loaded, one) is None
+        for number, output in enumerate(request.outputs)
+        if output.sensor is not None and reason_undetermined(loaded, output) is None
     ]
     chosen = [one for number in wanted if (one := request.outputs[number].sensor) is not None]
     asked = chosen or _probe(loaded)
     try:
-        means = mean_response(loaded, asked).values[0] if asked else found
+        means = mean_response(loaded, asked).values[0] if asked else readings
     except UsageError:
         return None
-    found[wanted] = means[: len(wanted)]
-    return found
+    readings[wanted] = means[: len(wanted)]
+    return readings
 
 
 def _probe(drivetrain: AssembledModel) -> list[Sensor]:

@@ -93,32 +93,32 @@ def delayed_response(
         )
         raise UsageError(f"{text}; simulate a shorter time", kind="too-large")
     last = _delayed_steps(form, torques, h, fineness)
-    found, error = last, math.inf
+    best, error = last, math.inf
     while error > ERROR_TOLERANCE and used <= MOST_TIME_STEPS:
         fineness *= 2
         finer = _delayed_steps(form, torques, h, fineness)
         # Richardson: the error falls as h^2, so that x_h/2 + (x_h/2 - x_h)/3 is free of that term.
         extrapolated = finer + (finer - last) / 3
         sizes = np.abs(extrapolated).max(axis=1, keepdims=True)
-        error = float((np.abs(extrapolated - found) / np.where(sizes > 0, sizes, 1.0)).max(initial=0.0))
-        last, found, used = finer, extrapolated, used + 2 * fineness * n
+        error = float((np.abs(extrapolated - best) / np.where(sizes > 0, sizes, 1.0)).max(initial=0.0))
+        last, best, used = finer, extrapolated, used + 2 * fineness * n
     if error > ERROR_WARNED:
         text = f"with delays, readings are right to about {100 * error:.2g} % of their largest value"
         warn_user(f"{text}; a higher sampling rate or a shorter time gives more digits")
-    return found
+    return best
 
 
 def _form(drivetrain: AssembledModel, request: TransferRequest) -> DelayedForm:
     assembly = drivetrain.assembly
-    laws = [undelayed_states(assembly, one) for one in assembly.system.actions]
-    opened = [one for one in laws if one.action.delay]
-    for one in opened:
-        refuse_delayed_acceleration(one)
+    laws = [undelayed_states(assembly, law) for law in assembly.system.actions]
+    opened = [law for law in laws if law.action.delay]
+    for law in opened:
+        refuse_delayed_acceleration(law)
     form = first_order(
-        assembly, request.excitations, closing=[one for one in laws if not one.action.delay], opened=opened
+        assembly, request.excitations, closing=[law for law in laws if not law.action.delay], opened=opened
     )
     # Below the drivetrain's states those of each delayed controller, z' = F z + G (y, y')^T.
-    sizes = np.cumsum([len(form.A), *(len(one.F) for one in opened)])
+    sizes = np.cumsum([len(form.A), *(len(law.F) for law in opened)])
     A, B = np.zeros((sizes[-1], sizes[-1])), np.zeros((sizes[-1], form.B.shape[1]))
     n = len(form.A)
     A[:n, :n], B[:n] = form.A, form.B
@@ -134,7 +134,7 @@ def _form(drivetrain: AssembledModel, request: TransferRequest) -> DelayedForm:
         F[place] = law.at_once[0] * direct + law.at_once[1] * rate_direct
     C, D = output_matrices(assembly, request.outputs, request.excitations, form, opened)
     C = np.hstack([C, np.zeros((len(C), sizes[-1] - n))])
-    return DelayedForm(A, B, C, D, E, F, np.array([float(one.action.delay) for one in opened]))
+    return DelayedForm(A, B, C, D, E, F, np.array([float(law.action.delay) for law in opened]))
 
 
 def _sensed(law: LawStates, form: StateSpaceForm) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
@@ -157,17 +157,17 @@ def _delayed_steps(form: DelayedForm, torques: TorqueCourses, h: float, fineness
     # x(t + h) = exp(A h) x + weights of u at both ends, exact for inputs that are straight in between.
     passage, before, after = (part.real for part in first_order_hold(form.A, form.B, step))
     weights = [_Between(delay / step) for delay in form.delays]
-    x, found = np.zeros(len(form.A)), np.zeros((count, len(form.delays)))
+    x, asked = np.zeros(len(form.A)), np.zeros((count, len(form.delays)))
     u = np.concatenate([drive, np.zeros((len(form.delays), count))]).T.copy()
     states = np.zeros((n, len(x)))
     for point in range(count):
         # Controllers act now with what they asked for one delay ago, which is solved already.
-        for number, one in enumerate(weights):
-            u[point, n_in + number] = one.read(found[:, number], point)
+        for number, delayed in enumerate(weights):
+            u[point, n_in + number] = delayed.read(asked[:, number], point)
         if point:
             end = np.concatenate([ends[point - 1], u[point, n_in:]])
             x = passage @ x + before @ u[point - 1] + after @ end
-        found[point] = form.E @ x + form.F @ u[point]
+        asked[point] = form.E @ x + form.F @ u[point]
         if point % fineness == 0:
             states[point // fineness] = x
     return np.asarray(form.C @ states.T + form.D @ u[::fineness].T)
@@ -284,14 +284,14 @@ def reading_courses(
 
     Others have so little above half the sampling rate as the masses before them let through.
     """
-    found: list[Between] = ["band_limited"] * len(request.outputs)
+    courses: list[Between] = ["band_limited"] * len(request.outputs)
     torques = [number for number, reading in enumerate(request.outputs) if QUANTITIES[reading.unit] == "torque"]
     if torques and set(between) != {"band_limited"}:
         far = np.abs(responses([drivetrain], request, np.array(ASYMPTOTE_RATES) * sampling_rate, "graph").values[0])
         for number in torques:
             direct = np.flatnonzero(far[1, number] > DIRECT_SHARE * far[0, number])
-            found[number] = between[direct[0]] if len(direct) else "band_limited"
-    return found
+            courses[number] = between[direct[0]] if len(direct) else "band_limited"
+    return courses
 
 
 def response_over_time(
@@ -300,7 +300,7 @@ def response_over_time(
     """Readings (n_out, n) in SI units over time under sampled torques (n_in, n) in N m, from rest."""
     if drivetrain.assembly.system.dynamic:
         return by_spectrum(drivetrain, request, torques.samples, torques.between, sampling_rate)
-    if any(one.delay for one in drivetrain.assembly.system.actions):
+    if any(action.delay for action in drivetrain.assembly.system.actions):
         return delayed_response(drivetrain, request, torques, sampling_rate)
     system = first_order(drivetrain.assembly, request.excitations)
     C, D = output_matrices(drivetrain.assembly, request.outputs, request.excitations, system)

@@ -89,13 +89,13 @@ def simulate_torques(
         raise UsageError(f'{text}, got "{start}"', kind="unknown-word")
     require_request(inputs, sampling_rate, duration)
     ways: dict[str, Between] = {}
-    sampled = not scales and tie is None and not any(isinstance(one, TimeHistory) for one in inputs.values())
+    sampled = not scales and tie is None and not any(isinstance(torque, TimeHistory) for torque in inputs.values())
     if sampled and start == REST and not has_laws_of_motion(drivetrain):
         record = simulate_linear(drivetrain, outputs, inputs, sampling_rate, between)  # type: ignore[arg-type]
         notes = [f"{text}; its law acts in full beside other laws, or from a given start" for text in
                  _linear_notes(drivetrain, laws=True)]  # fmt: skip
         return record.with_notes(*notes, *([NOTHING_TO_CHECK] if check else []))
-    lists: dict[str, Any] = {name: one for name, one in inputs.items() if not isinstance(one, TimeHistory)}
+    lists: dict[str, Any] = {name: torque for name, torque in inputs.items() if not isinstance(torque, TimeHistory)}
     if lists:
         courses = torque_courses(lists, between)
         ways = dict(zip(lists, courses.between, strict=True))
@@ -139,10 +139,10 @@ def simulate_torques(
     if start == OPERATING_POINT:
         notes += scale_notes(drivetrain, scales or {})
     if split.smooth:
-        names = ", ".join(dict.fromkeys(one.owner for one in split.smooth))
+        names = ", ".join(dict.fromkeys(law.owner for law in split.smooth))
         text = "the torques of {names} by a Runge-Kutta method to {tolerance:g} in each step"
         notes.append(phrase(text, names=names, tolerance=RELATIVE))
-        late = ", ".join(f"{one.owner} with {one.lag:.6g} s" for one in split.smooth if one.lag)
+        late = ", ".join(f"{law.owner} with {law.lag:.6g} s" for law in split.smooth if law.lag)
         if late:
             text = "from that of its speed" if begun.settled else "from zero at the first sample, as after switching on"
             notes.append(f"torque that follows its curve with a time constant, {text}: {late}")
@@ -172,22 +172,29 @@ def _band_limited(
     finer = np.hstack([inside, courses.samples[:, -1:]])
     between = {name: "held" if way == "held" else "straight" for name, way in ways.items()}
     driven_by = {**inputs, **dict(zip(ways, finer, strict=True))}
-    found = simulate_torques(drivetrain, outputs, driven_by, POINTS_BETWEEN * rate, start, between=between, **more)
+    recording = simulate_torques(drivetrain, outputs, driven_by, POINTS_BETWEEN * rate, start, between=between, **more)
     every = [ways.get(name, "straight") for name in inputs]
-    every += [one.between for one in found.signals[len(every) :]]
+    every += [signal.between for signal in recording.signals[len(every) :]]
     signals = tuple(
-        replace(one, values=one.values[::POINTS_BETWEEN], between=way) for one, way in zip(found, every, strict=True)
+        replace(signal, values=signal.values[::POINTS_BETWEEN], between=way)
+        for signal, way in zip(recording, every, strict=True)
     )
     note = f"band-limited torques: in {POINTS_BETWEEN} straight lines between two samples"
-    return replace(found, signals=signals, sampling_rate=rate).with_notes(note)
+    return replace(recording, signals=signals, sampling_rate=rate).with_notes(note)
 
 
 def _linear_notes(drivetrain: AssembledModel, *, laws: bool) -> list[str]:
     """Notes on elements that are linear about a working point in their entries, of those with or without laws."""
     elements = drivetrain.definition.switched_on
-    given = [one for one in elements if any(getattr(one, entry) is not None for entry in one.working_point)]
-    in_full = {one.name: one.has_motion_laws or one.over_time is not one for one in given}
-    names = [one.name for one in given if in_full[one.name] == laws and (one.has_own_working_point or not laws)]
+    given = [
+        element for element in elements if any(getattr(element, entry) is not None for entry in element.working_point)
+    ]
+    in_full = {element.name: element.has_motion_laws or element.over_time is not element for element in given}
+    names = [
+        element.name
+        for element in given
+        if in_full[element.name] == laws and (element.has_own_working_point or not laws)
+    ]
     return [f"linear about the working point in its entries: {name}" for name in names]
 
 
@@ -216,7 +223,7 @@ def _begun(
         if steady.integrating:
             words += f"; the integrators of {', '.join(steady.integrating)} start from zero"
         return _Begun(steady.z, steady.contact, words)
-    at = Layout(len(plant.assembly.system.M), sum(len(one.F) for one in plant.actions), 0, 0)
+    at = Layout(len(plant.assembly.system.M), sum(len(action.F) for action in plant.actions), 0, 0)
     given = start if isinstance(start, MotionStart) else MotionStart()
     words = "at rest before the first sample" if start == REST else "from a given state"
     return _Begun(start_state(plant, at, given), None, words, settled=start != REST)
@@ -257,8 +264,8 @@ def _solved(
 ) -> MotionOverTime:
     given = (split, request.outputs, request.excitations, driving, begun.z, begun.contact, refinement)
     with np.errstate(over="ignore", invalid="ignore"):
-        found = simulate_smooth(*given, settled=begun.settled) if split.smooth else simulate_pieces(*given)
-    lost = np.flatnonzero(~np.isfinite(found.values).all(axis=0))
+        motion = simulate_smooth(*given, settled=begun.settled) if split.smooth else simulate_pieces(*given)
+    lost = np.flatnonzero(~np.isfinite(motion.values).all(axis=0))
     if len(lost):
         raise SolveError(f"after {max(int(lost[0]) - 1, 0) / driving.rate:.6g} s {BEYOND}", kind="no-solution")
-    return replace(found, events=tuple(sorted(found.events, key=lambda event: event.time)))
+    return replace(motion, events=tuple(sorted(motion.events, key=lambda event: event.time)))

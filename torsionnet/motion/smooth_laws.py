@@ -71,7 +71,7 @@ class SmoothLaw:
         # dT/dt = dT/dgamma gamma' + dT/dgamma' gamma'' + the same over the rates sensed
         over_twist, *others = self.law.curve.slopes(MotionState(twist, rate, tuple(sensed)))
         own = float(over_twist) * float(rate)
-        rest = sum(float(one) * float(bend) for one, bend in zip(others, bends, strict=False))
+        rest = sum(float(slope) * float(bend) for slope, bend in zip(others, bends, strict=False))
         return scale * (own + rest)
 
     def on_piece(self, place: int) -> SmoothLaw:
@@ -113,7 +113,7 @@ def split_plant(drivetrain: AssembledModel, plant: MotionPlant, scales: tuple[Sc
         Nothing that the model has is scaled so.
     """
     floats = float_laws(drivetrain, plant)
-    named = {(one.owner, floats[one.number].scaled_by) for one in plant.laws if floats[one.number].scaled_by}
+    named = {(row.owner, floats[row.number].scaled_by) for row in plant.laws if floats[row.number].scaled_by}
     for owner, what in scales:
         if (owner, what) not in named:
             own = ", ".join(name for element, name in sorted(named) if element == owner) or "nothing"
@@ -124,13 +124,13 @@ def split_plant(drivetrain: AssembledModel, plant: MotionPlant, scales: tuple[Sc
     phases: list[LawPhases] = []
     scale_of: list[int] = []
     smooth: list[SmoothLaw] = []
-    for one in plant.laws:
-        law = floats[one.number]
-        key = (one.owner, law.scaled_by)
+    for row_of_law in plant.laws:
+        law = floats[row_of_law.number]
+        key = (row_of_law.owner, law.scaled_by)
         scale = scales.index(key) if key in scales else -1
         if isinstance(law.curve, ArcCurve):
-            pieces.append(replace(one, law=law))
-            phases.append(chain_phases(one.owner, law.curve))
+            pieces.append(replace(row_of_law, law=law))
+            phases.append(chain_phases(row_of_law.owner, law.curve))
             scale_of.append(-1)
             continue
         straight = isinstance(law.curve, PieceCurve)
@@ -139,21 +139,25 @@ def split_plant(drivetrain: AssembledModel, plant: MotionPlant, scales: tuple[Sc
             isinstance(part, Slope) and bool(part.stiffness or part.damping) for part in law.curve.pieces
         )
         if scale >= 0 and law.curve.over == "twist":
-            raise UsageError(f"{one.owner}: a torque over the twist cannot be scaled over time", kind="unsupported-law")
+            raise UsageError(
+                f"{row_of_law.owner}: a torque over the twist cannot be scaled over time", kind="unsupported-law"
+            )
         if straight and not (scale >= 0 and grows):
-            pieces.append(replace(one, law=law))
-            phases.append(law_phases(one.owner, law, scaled=scale >= 0))
+            pieces.append(replace(row_of_law, law=law))
+            phases.append(law_phases(row_of_law.owner, law, scaled=scale >= 0))
             scale_of.append(scale)
             continue
-        sensed = np.array([plant.assembly.rows_of(row)[0] for row in law.sensed]).reshape(-1, len(one.row))
+        sensed = np.array([plant.assembly.rows_of(row)[0] for row in law.sensed]).reshape(-1, len(row_of_law.row))
         held = -1
         # Steps, in which friction sticks, stay with the straight pieces and have no torque on these.
         if straight:
             held = len(pieces)
-            pieces.append(replace(one, law=law))
-            phases.append(_steps_alone(one.owner, law))
+            pieces.append(replace(row_of_law, law=law))
+            phases.append(_steps_alone(row_of_law.owner, law))
             scale_of.append(scale)
-        smooth.append(SmoothLaw(one.owner, law, one.number, one.row, sensed, scale, held, float(law.lag)))
+        smooth.append(
+            SmoothLaw(row_of_law.owner, law, row_of_law.number, row_of_law.row, sensed, scale, held, float(law.lag))
+        )
     return SplitPlant(replace(plant, laws=tuple(pieces)), tuple(phases), tuple(scale_of), tuple(smooth), scales)
 
 
@@ -175,11 +179,11 @@ def float_laws(drivetrain: AssembledModel, plant: MotionPlant) -> Mapping[int, M
         element.name: [part for part in element.whole_parts(value) if isinstance(part, MotionLaw)]
         for element in drivetrain.definition.switched_on
     }
-    found: dict[int, MotionLaw] = {}
+    laws: dict[int, MotionLaw] = {}
     for number, (owner, law) in enumerate(zip(plant.assembly.owners, plant.assembly.laws, strict=True)):
         if isinstance(law, PlacedLaw):
-            found[number] = own[owner].pop(0)
-    return found
+            laws[number] = own[owner].pop(0)
+    return laws
 
 
 def _steps_alone(owner: str, law: MotionLaw) -> LawPhases:

@@ -60,7 +60,7 @@ def steady_start(drivetrain: AssembledModel, split: SplitPlant, torques: Mapping
         There is no balance, as beyond the breakdown torque.
     """
     plant = split.plant
-    at = Layout(len(plant.assembly.system.M), sum(len(one.F) for one in plant.actions), 0, 0)
+    at = Layout(len(plant.assembly.system.M), sum(len(action.F) for action in plant.actions), 0, 0)
     forces = np.zeros(at.n_q)
     places: dict[str, float] = {}
     for place, torque in torques.items():
@@ -69,7 +69,7 @@ def steady_start(drivetrain: AssembledModel, split: SplitPlant, torques: Mapping
         places[key] = places.get(key, 0.0) + torque
         row = dict(zip(nodes, (1, -1), strict=False))
         forces += torque * plant.assembly.rows_of(row)[0]
-    rows = {one.number: one for one in _all_rows(split)}
+    rows = {law.number: law for law in _all_rows(split)}
     state = _balanced(drivetrain, plant, places, list(rows.values()), forces)
     known = dict(_states(plant, state)) if state is not None else {}
     speeds = dict(state.speeds) if state is not None else given_speeds(drivetrain)
@@ -78,19 +78,19 @@ def steady_start(drivetrain: AssembledModel, split: SplitPlant, torques: Mapping
     tangents: dict[int, tuple[float, float]] = {}
     q, accelerations, controllers = _angles(plant, rows, known, forces, v, tangents)
     # Arc springs loaded from nothing, which a balance leaves linear: Newton's method on their torques.
-    remembering = {number: one for number, one in rows.items() if isinstance(one.law.curve, ArcCurve)}
+    remembering = {number: law for number, law in rows.items() if isinstance(law.law.curve, ArcCurve)}
     for _ in range(MOST_STEPS if remembering else 0):
         before = q
-        for number, one in remembering.items():
-            there = MotionState(float(one.row @ q))
-            stiffness = float(one.law.curve.slopes(there)[0])
-            tangents[number] = stiffness, one.law.torque(there.twist, 0.0) - stiffness * there.twist
+        for number, law in remembering.items():
+            there = MotionState(float(law.row @ q))
+            stiffness = float(law.law.curve.slopes(there)[0])
+            tangents[number] = stiffness, law.law.torque(there.twist, 0.0) - stiffness * there.twist
         q, accelerations, controllers = _angles(plant, rows, known, forces, v, tangents)
         if np.abs(q - before).max() <= ROUNDING * np.abs(q).max():
             break
     z = np.zeros(at.n_p)
     z[at.q], z[at.v], z[at.controllers], z[at.one] = q, v, controllers, 1.0
-    integrating = tuple(one.action.owner for one in plant.actions if _integrates(one))
+    integrating = tuple(action.action.owner for action in plant.actions if _integrates(action))
     return SteadyStart(z, _contact(split, known), accelerations, integrating)
 
 
@@ -101,9 +101,9 @@ def nodes_of(drivetrain: AssembledModel, place: str) -> tuple[str, ...]:
 
 def _all_rows(split: SplitPlant) -> Iterator[LawRow]:
     yield from split.plant.laws
-    for one in split.smooth:
-        if one.held < 0:
-            yield LawRow(one.owner, one.law, one.number, one.row)
+    for law in split.smooth:
+        if law.held < 0:
+            yield LawRow(law.owner, law.law, law.number, law.row)
 
 
 def _balanced(
@@ -120,7 +120,7 @@ def _balanced(
         return _state_under(drivetrain, asked)
     except ModelError:
         # No balance: torques that accelerate what turns freely are left out, f - M a.
-        relief = _accelerations(plant, [one.row for one in rows], forces)
+        relief = _accelerations(plant, [row.row for row in rows], forces)
         if relief is None:
             raise
         taken = plant.assembly.system.M @ relief
@@ -166,9 +166,9 @@ def _speeds(
     named = [name for name in speeds if name in assembly.node_index]
     wanted = [float(speeds[name]) for name in named]
     matrix = [assembly.T[assembly.node_index[name]] for name in named]
-    for number, one in rows.items():
-        if one.law.curve.over == "rate" and number in known:
-            matrix.append(one.row)
+    for number, row in rows.items():
+        if row.law.curve.over == "rate" and number in known:
+            matrix.append(row.row)
             wanted.append(float(known[number][0].rate))
     if not any(wanted):
         return np.zeros(len(assembly.system.M))
@@ -182,12 +182,12 @@ def _turning(
 
     Such are those of elements that keep a working point of their own in linear results, as a propeller.
     """
-    found = {}
-    for number, one in rows.items():
-        rate = float(one.row @ v)
-        if number not in known and one.law.curve.over == "rate" and not one.law.sensed and rate:
-            found[number] = MotionState(rate=rate), float(one.law.torque(0.0, rate))
-    return found
+    turning = {}
+    for number, row in rows.items():
+        rate = float(row.row @ v)
+        if number not in known and row.law.curve.over == "rate" and not row.law.sensed and rate:
+            turning[number] = MotionState(rate=rate), float(row.law.torque(0.0, rate))
+    return turning
 
 
 def _accelerations(plant: MotionPlant, rows: list[FloatArray], forces: FloatArray) -> FloatArray | None:
@@ -197,8 +197,8 @@ def _accelerations(plant: MotionPlant, rows: list[FloatArray], forces: FloatArra
         return None
     # (Phi^T M Phi) a = Phi^T f, over the motions that nothing resists.
     inertia = free.T @ plant.assembly.system.M @ free
-    found = np.linalg.lstsq(inertia, free.T @ forces, rcond=None)[0]
-    return np.asarray(free @ found)
+    shares = np.linalg.lstsq(inertia, free.T @ forces, rcond=None)[0]
+    return np.asarray(free @ shares)
 
 
 def _free_motions(plant: MotionPlant, rows: list[FloatArray]) -> FloatArray:
@@ -228,18 +228,18 @@ def _angles(
     C = (system.rows.T * (system.damping * linear)) @ system.rows
     load = forces - C @ v
     twisted, wanted, held = [], [], []
-    for number, one in rows.items():
+    for number, row in rows.items():
         state, torque = known.get(number, (MotionState(), 0.0))
         stiffness, offset = tangents.get(number, (0.0, 0.0))
-        K = K + stiffness * np.outer(one.row, one.row)
-        load -= (torque + offset) * one.row
-        if one.law.curve.over == "twist":
-            held.append(one.row)
+        K = K + stiffness * np.outer(row.row, row.row)
+        load -= (torque + offset) * row.row
+        if row.law.curve.over == "twist":
+            held.append(row.row)
             if number in known:
-                twisted.append(one.row)
+                twisted.append(row.row)
                 wanted.append(float(state.twist))
-        elif one.law.curve.holds(state):
-            held.append(one.row)
+        elif row.law.curve.holds(state):
+            held.append(row.row)
     finish = []
     for action in plant.actions:
         gain, offset, settle = _settled(action, float(action.sensed @ v))
@@ -253,12 +253,12 @@ def _angles(
     scale = float(np.abs(pushed).max(initial=0.0)) or 1.0
     above = np.hstack([K, pushed * (size / scale)])
     below = np.hstack([size * np.array(twisted).reshape(-1, len(v)), np.zeros((len(twisted), free.shape[1]))])
-    found = np.linalg.lstsq(np.vstack([above, below]), np.array([*load, *(size * one for one in wanted)]), rcond=None)[
-        0
-    ]
-    q = found[: len(v)]
+    solved = np.linalg.lstsq(
+        np.vstack([above, below]), np.array([*load, *(size * twist for twist in wanted)]), rcond=None
+    )[0]
+    q = solved[: len(v)]
     controllers = [settle(float(action.sensed @ q)) for action, settle in finish]
-    return q, free @ found[len(v) :] * (size / scale), np.concatenate([np.zeros(0), *controllers])
+    return q, free @ solved[len(v) :] * (size / scale), np.concatenate([np.zeros(0), *controllers])
 
 
 def _integrates(action: LawStates) -> bool:
@@ -282,11 +282,11 @@ def _settled(action: LawStates, rate: float) -> tuple[float, float, Any]:
 
 def _contact(split: SplitPlant, known: Mapping[int, tuple[MotionState, float]]) -> Contact | None:
     """Contact state of laws in balance; None where one is not known."""
-    found = []
-    for one, phases in zip(split.plant.laws, split.phases, strict=True):
-        if one.number not in known or not isinstance(one.law.curve, PieceCurve):
+    numbers = []
+    for row, phases in zip(split.plant.laws, split.phases, strict=True):
+        if row.number not in known or not isinstance(row.law.curve, PieceCurve):
             return None
-        state = known[one.number][0]
-        piece = one.law.curve.number_at(state.twist, state.rate) if state.piece is None else state.piece
-        found.append(phases.of_piece(piece))
-    return tuple(found)
+        state = known[row.number][0]
+        piece = row.law.curve.number_at(state.twist, state.rate) if state.piece is None else state.piece
+        numbers.append(phases.of_piece(piece))
+    return tuple(numbers)

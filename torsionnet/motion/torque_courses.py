@@ -43,13 +43,13 @@ class TorqueCourses:
     def within(self, places: FloatArray) -> FloatArray:
         """Values (n_in, n - 1, n_places) in N m at places from 0 to 1 in every interval; a step counts after it."""
         first, last = self.samples[:, :-1, None], self.samples[:, 1:, None]
-        found = np.repeat(first, len(places), axis=2)
+        values = np.repeat(first, len(places), axis=2)
         for number, way in enumerate(self.between):
             if way == "straight":
-                found[number] = first[number] * (1 - places) + last[number] * places  # exact at both ends
+                values[number] = first[number] * (1 - places) + last[number] * places  # exact at both ends
             elif way == "band_limited":
-                found[number] = _band_limited(self.samples[number], places)
-        return found
+                values[number] = _band_limited(self.samples[number], places)
+        return values
 
     def gains(self, block: DiagonalBlock, h: float) -> tuple[ComplexArray, ComplexArray]:
         """Matrix exp(T h) of a block of states, and what the torques add to its states in steps of h seconds.
@@ -85,8 +85,8 @@ def torque_courses(
         if name not in inputs:
             hint = f"{did_you_mean(name, inputs)}; the torques are {', '.join(inputs)}"
             raise UsageError(f'between= names "{name}", which is no torque that acts{hint}', kind="unknown-channel")
-    ways = tuple(check_between(asked.get(name) or _own_course(one)) for name, one in inputs.items())
-    listed = [one.values if isinstance(one, Signal) else one for one in inputs.values()]
+    ways = tuple(check_between(asked.get(name) or _own_course(torque)) for name, torque in inputs.items())
+    listed = [torque.values if isinstance(torque, Signal) else torque for torque in inputs.values()]
     try:
         torques = np.array([np.asarray(values, dtype=float) for values in listed])
     except (TypeError, ValueError):
@@ -206,18 +206,18 @@ def exact_response(
     form = _driven(system.A, system.B, C, D, histories)
     x = np.zeros(form.n_x)
     if steady:
-        x = _steady_state(system.A, system.B @ np.array([one.first for one in histories]))
+        x = _steady_state(system.A, system.B @ np.array([history.first for history in histories]))
     return _march(form, x, histories, rate, count)
 
 
 def _driven(A: FloatArray, B: FloatArray, C: FloatArray, D: FloatArray, histories: Sequence[TimeHistory]) -> DrivenForm:
-    found = {
+    waving = {
         (number, wave.exponent): None
         for number, history in enumerate(histories)
         for piece in history.pieces
         for wave in piece.waves
     }
-    waves, n_x, n_u = tuple(found), len(A), len(histories)
+    waves, n_x, n_u = tuple(waving), len(A), len(histories)
     whole, read = np.zeros((n_x + 2 * n_u + 2 * len(waves),) * 2), np.zeros((len(C), n_x + 2 * n_u + 2 * len(waves)))
     whole[:n_x, :n_x], read[:, :n_x] = A, C
     # A straight line is a level with level' = slope, slope' = 0.
@@ -242,7 +242,7 @@ def _march(form: DrivenForm, x: FloatArray, histories: Sequence[TimeHistory], ra
 
     values = np.zeros((len(form.C), count))
     end = (count - 1) / rate
-    starts = [0.0, *sorted({time for one in histories for time in one.breaks if 0 < time <= end})]
+    starts = [0.0, *sorted({time for history in histories for time in history.breaks if 0 < time <= end})]
     # Between breaks of the histories z' = A z, exact by exp(A t); at a break the rows of the histories start anew.
     step = np.asarray(expm(form.A / rate))
     for start, following in zip(starts, [*starts[1:], np.inf], strict=True):

@@ -78,10 +78,7 @@ class OperatingBalance:
         ModelError
             The torques are not in balance, a table is left, or there are several points and nothing tells which.
         """
-        found = self.states
-        if len(found) == 1:
-            return found[0]
-        return self._chosen(found)
+        return self.states[0] if len(self.states) == 1 else self._chosen(self.states)
 
     @cached_property
     def states(self) -> tuple[BalancedState, ...]:

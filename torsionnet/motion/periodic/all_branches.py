@@ -77,7 +77,7 @@ def all_branches(
     branches: list[FoundBranch] = []
 
     def left() -> int:
-        return MOST_FOLLOWED - sum(len(found.branch.points) for found in branches)
+        return MOST_FOLLOWED - sum(len(each.branch.points) for each in branches)
 
     middle = np.sqrt(low * high)
     for at in dict.fromkeys((high, low, middle)):
@@ -98,22 +98,22 @@ def all_branches(
                 branches.append(_with_crossings(_both_ways(own, motion, (low, high), count, way, max(left(), OWN))))
     place, tried = 0, 0
     while place < len(branches):
-        found, unfollowed = branches[place], []
-        for fork in found.forks:
+        origin, unfollowed = branches[place], []
+        for fork in origin.forks:
             if fork.periods > subharmonics:
                 continue
             if (most := left() - tried) <= 0:
                 unfollowed.append(fork)
                 continue
             counts = [more * min(fork.periods, 2) * traced for more in (FINER if harmonics == "auto" else (1,))]
-            branch = _forked(found.problem, fork, (low, high), counts, most)
+            branch = _forked(origin.problem, fork, (low, high), counts, most)
             if branch is None:
                 continue
             if _known(branches, branch.tracer.motion(branch.points[len(branch.points) // 2])):
                 tried += len(branch.points)
             else:
                 branches.append(replace(_with_crossings(branch), begins=fork))
-        branches[place] = replace(found, unfollowed=tuple(unfollowed))
+        branches[place] = replace(origin, unfollowed=tuple(unfollowed))
         place += 1
     return branches
 

@@ -70,7 +70,8 @@ def _at(response: PeriodicResponse, at: float) -> str:
 def _span(response: PeriodicResponse, places: Sequence[float]) -> str:
     if len(places) == 1:
         return f"at {response.shown(places[0]):.6g} {response.unit}"
-    return f"at {len(places)} places from {response.shown(places[0]):.6g} to {response.shown(places[-1]):.6g} {response.unit}"
+    low, high = response.shown(places[0]), response.shown(places[-1])
+    return f"at {len(places)} places from {low:.6g} to {high:.6g} {response.unit}"
 
 
 def _cascades(response: PeriodicResponse, branches: Sequence[FoundBranch]) -> Iterator[str]:

@@ -150,8 +150,8 @@ def largest_met(response: PeriodicResponse, at: float, place: int) -> FoundMotio
     """
     here = [motion for motion in response.motions if math.isclose(motion.at, at, rel_tol=1e-9)]
     if not here:
-        text = f"at {response.shown(at):.6g} {response.unit} no periodic motion was found; simulate shows what happens there"
-        raise UsageError(text, kind="no-period")
+        text = "no periodic motion was found; simulate shows what happens there"
+        raise UsageError(f"at {response.shown(at):.6g} {response.unit} {text}", kind="no-period")
     met = [motion for motion in here if _stable(motion) is not False] or here
     return max(met, key=lambda motion: float(motion.highest[place] - motion.lowest[place]))
 
