@@ -135,14 +135,14 @@ class Folding:
     @cached_property
     def _images(self) -> tuple[tuple[FloatArray, FloatArray], ...]:
         """Frequencies (n_nodes,) and image numbers (n_images,) of near and far images."""
-        found = []
+        images = []
         for first, last, count in (NEAR_IMAGES, FAR_IMAGES):
             nodes = np.unique(self.lines[self._below])
             if len(nodes) > count:
                 nodes = np.linspace(nodes[0], nodes[-1], count)
             away = np.arange(first, last + 1.0)
-            found.append((nodes, np.concatenate([-away[::-1], away])))
-        return tuple(found)
+            images.append((nodes, np.concatenate([-away[::-1], away])))
+        return tuple(images)
 
     @cached_property
     def frequencies(self) -> FloatArray:
@@ -186,11 +186,11 @@ class Folding:
         constant, terms = self._asymptote(G[-2:])
         for term, far in zip(terms, weights.far, strict=True):
             rest += term * far
-        found = G_lines.astype(complex)
-        found[self._below] = weights.share * G_lines[self._below] + weights.numerator * rest
+        G_between = G_lines.astype(complex)
+        G_between[self._below] = weights.share * G_lines[self._below] + weights.numerator * rest
         if weights.step is not None:
-            found[self._below] += constant * weights.step / 2
-        return found.reshape(len(found), *values.shape[1:])
+            G_between[self._below] += constant * weights.step / 2
+        return G_between.reshape(len(G_between), *values.shape[1:])
 
     def _asymptote(self, far: ComplexArray) -> tuple[FloatArray, tuple[NDArray[Any], ...]]:
         """Constant (n,) of G = c + a/(j omega) + b/(j omega)^2 far up, and the terms of powers of 1/(x + k)."""
@@ -230,7 +230,7 @@ def course_remark(name: str, course: BetweenSamples, highest: float) -> str:
     'T_M is held between samples: at 20 Hz its vibration is 1.6 % smaller than its samples and 2.5 ms late, allowed for'
     """
     ways = [BetweenSamples(way, course.rate) for way in WAYS[:-1]] if course.is_band_limited else [course]
-    effects = [one.lowering(highest) for one in ways]
+    effects = [way.lowering(highest) for way in ways]
     if max(effects) < NOTED_EFFECT:
         return ""
     shares = [f"{100 * effect:.2g} %" for effect in effects]

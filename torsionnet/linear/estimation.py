@@ -60,9 +60,9 @@ class Estimation:
     def to_data(self) -> dict[str, Any]:
         """Averaging data of an estimated response as plain values for files, by name of the field."""
         return {
-            one.name: getattr(self, one.name)
-            for one in fields(self)
-            if one.name not in ("record", "steps", "decimation")
+            each.name: getattr(self, each.name)
+            for each in fields(self)
+            if each.name not in ("record", "steps", "decimation")
         }
 
 

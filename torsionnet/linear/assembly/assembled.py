@@ -19,7 +19,7 @@ class AssembledModel(Model):
         """Coordinates, rows and coefficients of the drivetrain in numbers, assembled when first used."""
         from torsionnet.linear.assembly.system import assemble  # numpy, which checking a file does without
 
-        found = assemble(self.definition, self.exact_values, like=self._state.shared.assembly)
+        assembly = assemble(self.definition, self.exact_values, like=self._state.shared.assembly)
         # Changed copies have it, too: their assemblies take over the rows that are the same.
-        self._state.shared.assembly = found
-        return found
+        self._state.shared.assembly = assembly
+        return assembly

@@ -153,7 +153,9 @@ class LawStiffness:
 
     def in_single_precision(self) -> LawStiffness:
         """Laws and actions rounded to seven digits; the elimination of such laws is calculated to seven digits, too."""
-        J, c, k, omega = (one.astype("f4") for one in (self.inertia, self.damping, self.stiffness, self.omega))
+        J, c, k, omega = (
+            coefficients.astype("f4") for coefficients in (self.inertia, self.damping, self.stiffness, self.omega)
+        )
         sampled: Any = tuple((law, values.astype("c8")) for law, values in self.sampled)
         actions: Any = tuple(values.astype("c8") for values in self.actions)
         return replace(self, inertia=J, damping=c, stiffness=k, omega=omega, sampled=sampled, actions=actions)
@@ -256,8 +258,8 @@ def law_stiffness(systems: Sequence[RowSystem], omega: FloatArray) -> LawStiffne
     actions = tuple(
         np.array(
             [
-                one.kappa(1j * np.broadcast_to(omega, (len(systems), omega.shape[-1]))[variant])
-                for variant, one in enumerate(alike)
+                action.kappa(1j * np.broadcast_to(omega, (len(systems), omega.shape[-1]))[variant])
+                for variant, action in enumerate(alike)
             ]
         )
         for alike in zip(*(system.actions for system in systems), strict=True)
@@ -335,25 +337,25 @@ def functional(drivetrain: AssembledModel, sensor: Sensor, name: str = "") -> Fu
     assembly, definition = drivetrain.assembly, drivetrain.definition
     on_element = sensor.is_on_element
     known: Collection[str] = drivetrain.elements if on_element else drivetrain.nodes
-    for one in (sensor.of,) if on_element else sensor.nodes:
-        if one not in known:
+    for place in (sensor.of,) if on_element else sensor.nodes:
+        if place not in known:
             what, declared = "node", all_nodes(definition.elements.values())
             if on_element:
                 what, declared = "element", tuple(definition.elements)
-            if one in declared:
-                text = f'{what} "{one}" is switched off in this configuration; nothing can be measured there'
+            if place in declared:
+                text = f'{what} "{place}" is switched off in this configuration; nothing can be measured there'
                 raise UsageError(text, kind="switched-off")
-            raise UsageError(unknown_name(what, one, known))
+            raise UsageError(unknown_name(what, place, known))
     laws = ((owner, law.row) for owner, law in zip(assembly.owners, assembly.laws, strict=True))
     values = Values(drivetrain.exact_values)
-    actions = ((one.owner, one.nodes) for one in assembly.system.actions)
+    actions = ((action.owner, action.nodes) for action in assembly.system.actions)
     read = reading(sensor, drivetrain.elements, values, laws, assembly.kinematics.constraints, actions)
-    found = Functional(name or str(sensor), UNITS[sensor.quantity], (), sensor=sensor)
+    whole = Functional(name or str(sensor), UNITS[sensor.quantity], (), sensor=sensor)
     n_coordinates = assembly.system.n_coordinates
     if read.row is not None:  # a motion: s^power times a row over coordinates, theta = T q
         row = exact_row(assembly.kinematics.reduced(read.row))
         motion = Term(assembly.columns_of(row), n_coordinates, row, factor=Fraction(1), power=read.power)
-        return replace(found, terms=(motion,))
+        return replace(whole, terms=(motion,))
     # A torque: laws that carry it, and through a rigid connection what the balance of torques leaves to it.
     balanced = balance(read, assembly.kinematics, [law.row for law in assembly.laws])
     terms = tuple(
@@ -362,4 +364,4 @@ def functional(drivetrain: AssembledModel, sensor: Sensor, name: str = "") -> Fu
         if factor
     )
     own = {number: exact(factor) for number, factor in read.actions.items()}
-    return replace(found, terms=terms, applied=balanced.applied, actions=own)
+    return replace(whole, terms=terms, applied=balanced.applied, actions=own)

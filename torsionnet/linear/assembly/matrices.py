@@ -117,12 +117,12 @@ def matrices(drivetrain: AssembledModel, *, at: float | str | None = None) -> Sy
 
 def _at_frequency(rows: RowSystem, omega: float) -> NDArray[np.complex128]:
     """K with the complex stiffness that laws over frequency have at omega in rad/s, sum of kappa a a^T."""
-    found = rows.K.astype(np.complex128)
+    K = rows.K.astype(np.complex128)
     kappa = rows.kappa(omega)
     for index, _ in rows.dynamic:
         row = rows.rows[index]
-        found += kappa[index] * np.outer(row, row)
-    return found
+        K += kappa[index] * np.outer(row, row)
+    return K
 
 
 def _direct_terms(action: ActionLaw) -> tuple[float, float, float]:

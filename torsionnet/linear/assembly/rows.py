@@ -92,7 +92,7 @@ def refuse_actions(actions: Sequence[ActionLaw], what: str) -> None:
         There is one.
     """
     if actions:
-        names = ", ".join(dict.fromkeys(one.owner for one in actions))
+        names = ", ".join(dict.fromkeys(action.owner for action in actions))
         raise UsageError(
             f"{what} not worked out where a torque follows another motion; switch off {names}", kind="unsupported-law"
         )
@@ -108,15 +108,15 @@ def polynomial(coefficients: Sequence[Any], s: Any) -> Any:
 
 def action_laws(kinematics: Kinematics) -> tuple[ActionLaw, ...]:
     """Laws of all actions of a drivetrain whose gain and sensed motion are not zero, in the order of the elements."""
-    found = []
+    laws = []
     for owner, action in kinematics.actions:
         sensed = exact_row(kinematics.reduced(action.sensed))
         numerator, denominator = lowest_terms(action.numerator, action.denominator)
         if numerator and sensed:
             nodes = exact_row(action.row)
             row, delay = exact_row(kinematics.reduced(action.row)), exact(action.delay)
-            found.append(ActionLaw(owner, nodes, row, sensed, numerator, denominator, delay))
-    return tuple(found)
+            laws.append(ActionLaw(owner, nodes, row, sensed, numerator, denominator, delay))
+    return tuple(laws)
 
 
 def lowest_terms(numerator: Sequence[Any], denominator: Sequence[Any]) -> tuple[Polynomial, Polynomial]:
@@ -184,10 +184,10 @@ class Rows:
     @classmethod
     def of(cls, dense: FloatArray) -> Rows:
         """Sparse rows with the entries of a dense array (n_rows, n_columns) that are not zero."""
-        found: list[dict[int, float]] = [{} for _ in dense]
+        rows: list[dict[int, float]] = [{} for _ in dense]
         for i, j in zip(*(part.tolist() for part in np.nonzero(dense)), strict=True):
-            found[i][j] = float(dense[i, j])
-        return cls(tuple(found), int(dense.shape[1]))
+            rows[i][j] = float(dense[i, j])
+        return cls(tuple(rows), int(dense.shape[1]))
 
     @classmethod
     def named(cls, rows: Iterable[Mapping[str, Any]], columns: Mapping[str, int]) -> Rows:

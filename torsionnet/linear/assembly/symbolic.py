@@ -76,13 +76,15 @@ def symbol_of(number: Any) -> Any:
 def symbolic_values(definitions: Mapping[str, Any], values: Mapping[str, Any]) -> Values:
     """Evaluator that records on a :class:`SymbolRecord`; a derived parameter has its expression in the basic ones."""
     record = SymbolRecord()
-    found: dict[str, Any] = {}
+    symbols: dict[str, Any] = {}
     for name in values:
         expression = definitions[name].value
         # A parameter that others define keeps their symbols; one with a number of its own becomes a symbol.
         derived = expression.names
-        found[name] = expression.evaluate(found, record.algebra) if derived else record.parameter(name, values[name])
-    return Values(found, record.algebra)
+        symbols[name] = (
+            expression.evaluate(symbols, record.algebra) if derived else record.parameter(name, values[name])
+        )
+    return Values(symbols, record.algebra)
 
 
 OMEGA = sympy.Symbol("omega")
@@ -159,9 +161,9 @@ class SymbolicMatrices:
     def dynamic_stiffness(self, s: Any) -> sympy.Matrix:
         """Symbolic dynamic stiffness M s^2 + C s + K + j H + tables, less the actions, (n_q, n_q), N m/rad."""
         passive = self.M * s**2 + self.C * s + self.K + sympy.I * self.H + self.tables
-        for one in self.actions:
+        for action in self.actions:
             # An action drives its row by (N/E) e^(-s delay) times the row it senses: a dyad that need not be symmetric.
-            passive -= one.law(s) * sympy.Matrix(one.row) * sympy.Matrix([one.sensed])
+            passive -= action.law(s) * sympy.Matrix(action.row) * sympy.Matrix([action.sensed])
         return passive
 
     def equations(self) -> tuple[str, ...]:
@@ -170,7 +172,7 @@ class SymbolicMatrices:
 
     def laws(self) -> tuple[str, ...]:
         """Equations of the torques of all actions as text, in the Laplace domain, one string for each action."""
-        return tuple(one.equation(self.coordinates) for one in self.actions)
+        return tuple(action.equation(self.coordinates) for action in self.actions)
 
     def _equation(self, row: int) -> str:
         terms = []
@@ -181,7 +183,7 @@ class SymbolicMatrices:
                 if matrix[row, column] != 0:
                     terms.append(_signed(matrix[row, column], f"theta_{name}{dashes}"))
         loads = [_signed(self.B[row, i], name) for i, name in enumerate(self.inputs) if self.B[row, i] != 0]
-        loads += [_signed(one.row[row], f"T_{one.owner}") for one in self.actions if one.row[row] != 0]
+        loads += [_signed(action.row[row], f"T_{action.owner}") for action in self.actions if action.row[row] != 0]
         return f"{_joined(terms)} = {_joined(loads)}"
 
 
@@ -271,15 +273,15 @@ class _Ratios:
 
     def conditions(self) -> tuple[Any, ...]:
         """Expressions that are zero for the parameter values but not as symbols, from constraints that dropped out."""
-        found = []
+        left_over = []
         # A constraint that dropped out as a sum of others holds only if what is left of it vanishes.
         rows = [row for _, row in self.kinematics.constraints]
         for index in self.kinematics.reduction.redundant:
             for coefficient in _uncancelled(rows[index], self.kinematics.reduction.solved).values():
                 expression = sympy.numer(sympy.together(sympy.expand(coefficient)))
                 if expression != 0:
-                    found.append(sympy.factor(expression))
-        return tuple(found)
+                    left_over.append(sympy.factor(expression))
+        return tuple(left_over)
 
 
 def _uncancelled(row: Row, solved: Mapping[Any, Row]) -> dict[str, Any]:
@@ -292,8 +294,8 @@ def _uncancelled(row: Row, solved: Mapping[Any, Row]) -> dict[str, Any]:
 
 def law_parts(owner: str, law: Law) -> tuple[Any, Any, Any]:
     """Coefficients of 1, s and s^2 in a law's dynamic stiffness, in symbols; the first holds hysteresis and tables."""
-    found = {key: sympy.Integer(0) for key in ("K", "C", "M", "H", "tables")} | _coefficients(owner, law)
-    return found["K"] + sympy.I * found["H"] + found["tables"], found["C"], found["M"]
+    parts = {key: sympy.Integer(0) for key in ("K", "C", "M", "H", "tables")} | _coefficients(owner, law)
+    return parts["K"] + sympy.I * parts["H"] + parts["tables"], parts["C"], parts["M"]
 
 
 def _coefficients(owner: str, law: Law) -> dict[str, Any]:

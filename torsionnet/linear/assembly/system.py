@@ -53,11 +53,11 @@ class Assembly:
 
     def over_coordinates(self, row: Mapping[str, Any]) -> FloatArray:
         """Coefficients (n_q,) by coordinate of a row that is given by names, where imposed angles are left out."""
-        found = np.zeros(self.system.n_coordinates)
+        coefficients = np.zeros(self.system.n_coordinates)
         for column, value in self.columns_of(row).items():
-            if column < len(found):  # imposed angles stand still
-                found[column] = value
-        return found
+            if column < len(coefficients):  # imposed angles stand still
+                coefficients[column] = value
+        return coefficients
 
     @property
     def T(self) -> FloatArray:
@@ -80,11 +80,11 @@ class Assembly:
 
     def rows_of(self, row: dict[str, Any]) -> tuple[FloatArray, FloatArray]:
         """Coefficients over the coordinates (n_q,), and over the imposed angles (n_x,), of a row given over nodes."""
-        found = np.zeros(len(self._column))
+        coefficients = np.zeros(len(self._column))
         for column, value in self.columns_of(self.kinematics.reduction.in_floats(exact_row(row))).items():
-            found[column] = value
+            coefficients[column] = value
         n = self.system.n_coordinates
-        return found[:n], found[n:]
+        return coefficients[:n], coefficients[n:]
 
     def columns_of(self, row: Mapping[str, Any], number: Callable[[Any], Any] = float) -> dict[int, Any]:
         """Coefficients of a row by column number (coordinates, then imposed angles) from those by name."""
@@ -134,7 +134,9 @@ def assemble(
         tuple(_dynamic(index, law) for index, (_, law) in enumerate(laws) if law.table or law.loss_factor),
     )
     actions = action_laws(kinematics) if kinematics.actions else ()
-    same_actions = like is not None and [one.rows for one in actions] == [one.rows for one in like.system.actions]
+    same_actions = like is not None and [action.rows for action in actions] == [
+        action.rows for action in like.system.actions
+    ]
     if like is not None and same_actions and _same_rows(kinematics, like.kinematics):
         shared = like.system
         system = RowSystem(shared.law_rows, *coefficients, actions=actions, memo=shared.memo)

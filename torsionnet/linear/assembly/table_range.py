@@ -60,7 +60,7 @@ class TableReads:
 
     def notes(self) -> tuple[str, ...]:
         """Note on each element whose table ends before some of the frequencies."""
-        found: dict[str, str] = {}
+        notes: dict[str, str] = {}
         for (owner, first, last), (low, high) in self.spans.items():
             beyond = []
             if low < first * (1 - ROUNDED_FREQUENCY):
@@ -69,8 +69,8 @@ class TableReads:
                 beyond.append(f"at up to {high:.6g} Hz, where the last row is kept")
             if beyond:
                 text = f"{owner}: the rows of its table go from {first:.6g} to {last:.6g} Hz"
-                found[owner] = f"{text}, and it is read {', and '.join(beyond)}"
-        return tuple(found.values())
+                notes[owner] = f"{text}, and it is read {', and '.join(beyond)}"
+        return tuple(notes.values())
 
 
 def range_notes(assembly: Assembly, frequencies: ArrayLike) -> tuple[str, ...]:

@@ -139,7 +139,7 @@ class Batch:
             self.inertia[places],
             self.damping[places],
             self.stiffness[places],
-            tuple(one.part(places, len(self)) for one in self.dynamic),
+            tuple(stiffness_of_law.part(places, len(self)) for stiffness_of_law in self.dynamic),
             self.impossible[places],
             self.separate[places],
             {name: column[places] for name, column in self.moduli.items()},
@@ -151,12 +151,12 @@ class Batch:
 
     def law_stiffness(self, omega: FloatArray) -> LawStiffness:
         """Dynamic stiffness of all laws of all variants, in N m/rad, at omega (n_f,) in rad/s."""
-        laws = dict.fromkeys(one.law for one in self.dynamic)
+        laws = dict.fromkeys(batched.law for batched in self.dynamic)
         sampled = {law: np.zeros((len(self), len(omega)), dtype=complex) for law in laws}
         # Each pass over the variants has filled one law for some of them.
-        for one in self.dynamic:
-            sampled[one.law][one.places] = one.kappa(omega)
+        for batched in self.dynamic:
+            sampled[batched.law][batched.places] = batched.kappa(omega)
         s = np.asarray(1j * omega, dtype=np.complex128)
         # An action that varies makes no batch, so that kappa(j omega) is the same in all variants.
-        actions = tuple(np.repeat(one.kappa(s)[None], len(self), axis=0) for one in self._actions)
+        actions = tuple(np.repeat(action.kappa(s)[None], len(self), axis=0) for action in self._actions)
         return LawStiffness(self.inertia, self.damping, self.stiffness, omega, tuple(sampled.items()), actions)

@@ -50,7 +50,8 @@ class BatchBuilder:
         self.count: int = len(next(iter(values.values())))
         system = drivetrain.assembly.system
         self.inertia, self.damping, self.stiffness = (
-            np.tile(one, (self.count, 1)) for one in (system.inertia, system.damping, system.stiffness)
+            np.tile(coefficients, (self.count, 1))
+            for coefficients in (system.inertia, system.damping, system.stiffness)
         )
         self.dynamic: list[BatchedStiffness] = []
         self.moduli: dict[str, FloatArray] = {}
@@ -70,23 +71,23 @@ class BatchBuilder:
         finite = np.ones(self.count, dtype=bool)
         for array in (self.inertia, self.damping, self.stiffness):
             finite &= np.isfinite(array).all(axis=1)
-        for one in self.dynamic:
-            finite[one.places] &= np.isfinite(one.coefficients).all(axis=0)
+        for batched in self.dynamic:
+            finite[batched.places] &= np.isfinite(batched.coefficients).all(axis=0)
         # Certain are finite coefficients of a pass in which no digits were lost.
         self.separate |= ~(self.known & finite)
         self.separate &= ~self.impossible
         # Whether a single model would be refused is found by making it.
         for index in np.flatnonzero(self.separate):
             try:
-                self.drivetrain.configured(**{name: float(one[index]) for name, one in self.values.items()})
+                self.drivetrain.configured(**{name: float(column[index]) for name, column in self.values.items()})
             except ModelError:
                 self.impossible[index], self.separate[index] = True, False
 
     def batch(self) -> Batch:
-        varied = {one.law for one in self.dynamic}
+        varied = {batched.law for batched in self.dynamic}
         same = (
-            BatchedStiffness(law, np.arange(self.count), one, np.zeros((0, self.count)))
-            for law, one in self.drivetrain.assembly.system.dynamic
+            BatchedStiffness(law, np.arange(self.count), of_law, np.zeros((0, self.count)))
+            for law, of_law in self.drivetrain.assembly.system.dynamic
             if law not in varied
         )
         coefficients = self.inertia, self.damping, self.stiffness, (*same, *self.dynamic)
@@ -132,7 +133,7 @@ class FollowingPass:
         if hysteretic:
             self._dynamic(number, ComplexStiffness(0j), np.array([stiffness, stiffness * loss]))
         elif law.table is not None:
-            coefficients = [self._column(one) for one in law.table.coefficients]
+            coefficients = [self._column(coefficient) for coefficient in law.table.coefficients]
             self._dynamic(number, law.table, np.array(coefficients).reshape(-1, len(own)))
 
     def _dynamic(self, number: int, of: DynamicStiffness, coefficients: FloatArray) -> None:
@@ -198,20 +199,24 @@ class BatchPlan:
         varied = {name: VariantNumber(column[places], decisions) for name, column in filling.values.items()}
         try:
             value = Values(numbers_of(self.drivetrain.definition, self.derived, self._fixed, varied), VARIANTS)
-            found = [(planned, _checked(planned, value)) for planned in self.elements]
+            evaluated = [(planned, _checked(planned, value)) for planned in self.elements]
         except (TorsionnetError, ArithmeticError):
             # With the first variant all that decide like it are impossible; lost digits are for single models.
             filling.impossible[places[decisions.follows & ~decisions.unsure]] = True
             return
         # Elements may choose other rows by a value: these are no coefficients of this batch.
-        alike = all(planned.has_rows_of(parts) for planned, parts in found if planned.is_on)
-        moduli = {one.element.name: section_modulus(one.element, value) for one in self.elements if one.is_stressed}
+        alike = all(planned.has_rows_of(parts) for planned, parts in evaluated if planned.is_on)
+        moduli = {
+            planned.element.name: section_modulus(planned.element, value)
+            for planned in self.elements
+            if planned.is_stressed
+        }
         # Last of all, since each evaluation above may have parted some variants from the first.
         here = filling.followed(places, decisions)
         if not alike:
             here.mark_separate()
             return
-        for planned, parts in found:
+        for planned, parts in evaluated:
             if planned.is_on:
                 laws = (part for part in parts if isinstance(part, Law))
                 for law, number in zip(laws, planned.laws, strict=True):

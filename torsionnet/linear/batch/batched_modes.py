@@ -378,13 +378,13 @@ def stacked_coefficients(batch: Batch) -> Coefficients | None:
     if batch.drivetrain.assembly.system.actions:
         return None
     stiffness, loss = batch.stiffness.copy(), np.zeros_like(batch.stiffness)
-    for one in batch.dynamic:
-        if not isinstance(one.of, ComplexStiffness):
+    for batched in batch.dynamic:
+        if not isinstance(batched.of, ComplexStiffness):
             return None
         # Hysteretic: kappa = k + j k eta at every omega, whose real part joins the springs.
-        kappa = one.kappa(np.zeros(1))[:, 0]
-        stiffness[one.places, one.law] += kappa.real
-        loss[one.places, one.law] += kappa.imag
+        kappa = batched.kappa(np.zeros(1))[:, 0]
+        stiffness[batched.places, batched.law] += kappa.real
+        loss[batched.places, batched.law] += kappa.imag
     return Coefficients(batch.inertia, batch.damping, stiffness, loss)
 
 

@@ -120,11 +120,11 @@ def batched_responses(
     for index in np.concatenate(singly).tolist():
         model = batch.model(index)
         try:
-            one = responses([model], request_for_model(model, request), frequencies, method)
+            single = responses([model], request_for_model(model, request), frequencies, method)
         except TorsionnetError as error:
             refused(error)
-            one = Evaluated(*(np.full((1, *part.shape[1:]), np.nan) for part in evaluated))
-        evaluated.values[index], evaluated.conditioning[index] = one.values[0], one.conditioning[0]
+            single = Evaluated(*(np.full((1, *part.shape[1:]), np.nan) for part in evaluated))
+        evaluated.values[index], evaluated.conditioning[index] = single.values[0], single.conditioning[0]
     return evaluated
 
 
@@ -221,20 +221,20 @@ def responses_at_own_frequencies(
 
 def _law_stiffness(batch: Batch, omega: FloatArray) -> LawStiffness:
     """Dynamic stiffness of all laws in N m/rad at omega (n, n_f) in rad/s, which differs by variant."""
-    laws = dict.fromkeys(one.law for one in batch.dynamic)
+    laws = dict.fromkeys(batched.law for batched in batch.dynamic)
     sampled = {law: np.zeros(omega.shape, dtype=complex) for law in laws}
-    for one in batch.dynamic:
-        sampled[one.law][one.places] = _kappa(one, omega[one.places])
+    for batched in batch.dynamic:
+        sampled[batched.law][batched.places] = _kappa(batched, omega[batched.places])
     # Actions are alike in all variants, but taken at the frequencies of each.
     s = np.asarray(1j * omega.ravel(), dtype=np.complex128)
-    actions = tuple(one.kappa(s).reshape(omega.shape) for one in batch.drivetrain.assembly.system.actions)
+    actions = tuple(action.kappa(s).reshape(omega.shape) for action in batch.drivetrain.assembly.system.actions)
     return LawStiffness(batch.inertia, batch.damping, batch.stiffness, omega, tuple(sampled.items()), actions)
 
 
-def _kappa(one: BatchedStiffness, omega: FloatArray) -> ComplexArray:
-    if not len(one.coefficients):
-        return np.asarray(one.of.kappa(omega.ravel())).reshape(omega.shape)
-    return np.array([one.single(place).kappa(own) for place, own in enumerate(omega)]).reshape(omega.shape)
+def _kappa(batched: BatchedStiffness, omega: FloatArray) -> ComplexArray:
+    if not len(batched.coefficients):
+        return np.asarray(batched.of.kappa(omega.ravel())).reshape(omega.shape)
+    return np.array([batched.single(place).kappa(own) for place, own in enumerate(omega)]).reshape(omega.shape)
 
 
 # Transfer functions of many variants of a drivetrain, with those of the same rows solved together.

@@ -184,7 +184,7 @@ class TrackedModes:
         return tracking_notes(self.reference.eigenvalues, self.eigenvalues, self.veering, self.partners)
 
 
-def track_modes(found: BatchedModes, reference: Modes | None = None) -> TrackedModes:
+def track_modes(batch: BatchedModes, reference: Modes | None = None) -> TrackedModes:
     """Modes of variants (eigenvalues, shapes) in the order of their drivetrain's modes, tracked along eigenvalues.
 
     Parameters
@@ -203,17 +203,17 @@ def track_modes(found: BatchedModes, reference: Modes | None = None) -> TrackedM
     >>> track_modes(variants).natural_frequencies[:, 0].round(2).tolist()
     [5.74, 7.11, 9.92]
     """
-    known = natural_modes(found.drivetrain)[0] if reference is None else reference
+    known = natural_modes(batch.drivetrain)[0] if reference is None else reference
     if not len(known):
-        none = np.zeros((len(found), 0))
-        return TrackedModes(found, known, none.astype(int), none, none.astype(bool), none.astype(int))
-    home = BatchedModes.of_drivetrain(found.drivetrain, known)
+        none = np.zeros((len(batch), 0))
+        return TrackedModes(batch, known, none.astype(int), none, none.astype(bool), none.astype(int))
+    home = BatchedModes.of_drivetrain(batch.drivetrain, known)
     there = FollowedModes(home.eigenvalues, mode_states(home, np.zeros(1, dtype=np.intp)))
-    columns = np.full((len(found), len(known)), MISSING_MODE)
+    columns = np.full((len(batch), len(known)), MISSING_MODE)
     mac, mixed, partners = np.full(columns.shape, np.nan), np.full(columns.shape, np.nan), columns.copy()
-    unclear = np.zeros(len(found), dtype=bool)
+    unclear = np.zeros(len(batch), dtype=bool)
     # First guess: the mode of the same rank among rigid bodies, real poles or vibrations.
-    for places, here in _parts(found, np.arange(len(found))):
+    for places, here in _parts(batch, np.arange(len(batch))):
         columns[places] = _of_same_rank(there.values, here.values)
         mac[places], mixed[places], partners[places] = _compared(there, here, columns[places])
         # Variants that cannot be have no modes to follow.
@@ -222,18 +222,18 @@ def track_modes(found: BatchedModes, reference: Modes | None = None) -> TrackedM
     if unclear.any():
         # Only to variants with a doubtful mode a way is walked; rigid bodies stay at zero on it.
         moving = np.flatnonzero(~_rigid(there.values[0]))
-        walk = ModeWalk(found, FollowedModes(there.values[:, moving], there.states[:, :, moving]))
-        for places, here in _parts(found, np.flatnonzero(unclear)):
+        walk = ModeWalk(batch, FollowedModes(there.values[:, moving], there.states[:, :, moving]))
+        for places, here in _parts(batch, np.flatnonzero(unclear)):
             columns[np.ix_(places, moving)] = walk.columns(places, here)
             mac[places], mixed[places], partners[places] = _compared(there, here, columns[places])
-    return TrackedModes(found, known, columns, mac, mixed >= VEERING_MAC, partners)
+    return TrackedModes(batch, known, columns, mac, mixed >= VEERING_MAC, partners)
 
 
-def _parts(found: BatchedModes, places: NDArray[np.intp]) -> Iterator[tuple[NDArray[np.intp], FollowedModes]]:
+def _parts(batch: BatchedModes, places: NDArray[np.intp]) -> Iterator[tuple[NDArray[np.intp], FollowedModes]]:
     """Yield the places of some variants at a time, with eigenvalues and energy vectors of all their modes."""
     for start in range(0, len(places), VARIANTS_AT_ONCE):
         some = places[start : start + VARIANTS_AT_ONCE]
-        yield some, FollowedModes(found.eigenvalues[some], mode_states(found, some))
+        yield some, FollowedModes(batch.eigenvalues[some], mode_states(batch, some))
 
 
 def _of_same_rank(there: ComplexArray, here: ComplexArray) -> Columns:

@@ -192,11 +192,11 @@ class PlannedElement:
     def is_on(self) -> bool:
         return bool(self.parts)
 
-    def has_rows_of(self, found: tuple[Part, ...]) -> bool:
+    def has_rows_of(self, parts: tuple[Part, ...]) -> bool:
         """Whether ``found`` parts act on the same rows as those of the element, so that only coefficients differ."""
-        return len(self.parts) == len(found) and all(
-            type(one) is type(other) and (one.row == other.row if isinstance(one, Law) else one == other)
-            for one, other in zip(self.parts, found, strict=True)
+        return len(self.parts) == len(parts) and all(
+            type(own) is type(other) and (own.row == other.row if isinstance(own, Law) else own == other)
+            for own, other in zip(self.parts, parts, strict=True)
         )
 
 
@@ -220,7 +220,7 @@ def planned_elements(
     ``numbers`` are the values of all parameters, those ``moved`` as :class:`VariantNumber`.
     """
     definition, known = drivetrain.definition, _numbered(drivetrain)
-    active, found = {element.name: element for element in definition.active}, []
+    active, planned = {element.name: element for element in definition.active}, []
     for name, declared in definition.elements.items():
         element, asked = active.get(name, declared), _RecordedLookups(numbers)
         # The element's own laws, evaluated in numbers of all variants, show which parameters they look up.
@@ -233,10 +233,10 @@ def planned_elements(
             return None
         own = known.get(name, [])
         # Diameters set the section modulus, with which stresses scale beside any law.
-        stressed = name in active and any(one.names & moved for one in element.diameters or ())
+        stressed = name in active and any(diameter.names & moved for diameter in element.diameters or ())
         laws = tuple(number for part, number in own if isinstance(part, Law))
-        found.append(PlannedElement(element, tuple(part for part, _ in own), laws, stressed))
-    return found
+        planned.append(PlannedElement(element, tuple(part for part, _ in own), laws, stressed))
+    return planned
 
 
 def _numbered(drivetrain: AssembledModel) -> dict[str, list[tuple[Part, int | None]]]:
@@ -244,18 +244,18 @@ def _numbered(drivetrain: AssembledModel) -> dict[str, list[tuple[Part, int | No
 
     The number is None for what is no acting law.
     """
-    found: dict[str, list[tuple[Part, int | None]]] = {}
+    numbered: dict[str, list[tuple[Part, int | None]]] = {}
     count = 0
     for owned in drivetrain.assembly.kinematics.parts:
         # Laws without any coefficient have no column in the arrays.
         acts = isinstance(owned.part, Law) and owned.part.acts
-        found.setdefault(owned.element, []).append((owned.part, count if acts else None))
+        numbered.setdefault(owned.element, []).append((owned.part, count if acts else None))
         count += acts
-    return found
+    return numbered
 
 
 def _is_moving(part: Part) -> bool:
     numbers = list(part.row.values())
     if isinstance(part, Action):
         numbers += [*part.sensed.values(), *part.numerator, *part.denominator, part.delay]
-    return any(isinstance(one, VariantNumber) for one in numbers)
+    return any(isinstance(number, VariantNumber) for number in numbers)

@@ -53,7 +53,7 @@ def law_states(assembly: Assembly, points: int = 0) -> tuple[LawStates, ...]:
     UsageError
         A delay without points, or a law that grows quicker with frequency than can be followed in time.
     """
-    return tuple(_states(assembly, one, points) for one in assembly.system.actions)
+    return tuple(_states(assembly, action, points) for action in assembly.system.actions)
 
 
 def undelayed_states(assembly: Assembly, action: ActionLaw) -> LawStates:
@@ -148,8 +148,8 @@ def _derivative(points: int) -> FloatArray:
     place = np.cos(np.pi * np.arange(points + 1) / points)
     weight = np.where(np.isin(np.arange(points + 1), (0, points)), 2.0, 1.0) * (-1.0) ** np.arange(points + 1)
     apart = place[:, None] - place[None, :] + np.eye(points + 1)
-    found = np.outer(weight, 1 / weight) / apart
+    slopes = np.outer(weight, 1 / weight) / apart
     # A constant has no derivative: every row adds up to zero.
-    found -= np.diag(found.sum(axis=1))
+    slopes -= np.diag(slopes.sum(axis=1))
     # Cosines run from 1 to -1, places from 0 to 1.
-    return np.asarray(-2 * found)
+    return np.asarray(-2 * slopes)

@@ -59,10 +59,10 @@ def reading_table(reading_problem: ReadingProblem, n_out: int, n_excitations: in
     if reading_problem.sensed or n_measured > 1:
         return None
     parts = [*reading_problem.parts, *(reading_problem.terms[-1] if n_measured else ())]
-    laws = tuple(dict.fromkeys(one.term.law for one in parts if one.term is not None and one.term.law is not None))
+    laws = tuple(dict.fromkeys(part.term.law for part in parts if part.term is not None and part.term.law is not None))
     return ReadingTable(
-        np.array([_entry(one, laws) for one in parts], dtype=np.int64).reshape(-1, 3),
-        np.array([float(one.factor if one.term is None else one.term.factor) for one in parts]),
+        np.array([_entry(part, laws) for part in parts], dtype=np.int64).reshape(-1, 3),
+        np.array([float(part.factor if part.term is None else part.term.factor) for part in parts]),
         laws,
         float(np.abs(reading_problem.applied[-1]).sum()) if n_measured else 0.0,
         n_out,

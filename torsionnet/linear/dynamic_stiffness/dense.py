@@ -29,7 +29,7 @@ def respond(problem: ResponseProblem, kappa: LawStiffness) -> ComplexArray:
 
 def _columns(problem: ResponseProblem) -> int:
     given = [j for row in problem.laws for j in row]
-    given += [j for one in problem.excitations for j in (*one.load, *one.motion)]
+    given += [j for loading in problem.excitations for j in (*loading.load, *loading.motion)]
     return max([problem.n_free, *(j + 1 for j in given), *(j + 1 for j in problem.reactions)])
 
 

@@ -214,7 +214,7 @@ def make_plan(
         n_loads=len(planner.loads.rows),
         n_motions=len(planner.motions.rows),
         n_excitations=len(motions),
-        weights=tuple((found[0], e, found[1]) for e, found in planner.weights if found),
+        weights=tuple((weights[0], e, weights[1]) for e, weights in planner.weights if weights),
         given=tuple(given),
         steps=steps,
         outputs=planner.outputs,
@@ -376,8 +376,8 @@ class _Planner:
     def _handed_on(self, slot: int, shares: Iterable[tuple[Row, float]]) -> tuple[int, tuple[tuple[int, float], ...]]:
         """Replace a row by weighted rows, and return its number with numbers and weights of those that take over."""
         self.laws.remove(slot)
-        found = ((self._law(row), weight) for row, weight in shares)
-        return slot, tuple((there[0], weight * there[1] ** 2) for there, weight in found if there)
+        taking_over = ((self._law(row), weight) for row, weight in shares)
+        return slot, tuple((there[0], weight * there[1] ** 2) for there, weight in taking_over if there)
 
     # --- reactions --------------------------------------------------------------------------------------------------
 
@@ -396,8 +396,8 @@ class _Planner:
         laws = []
         for slot in sorted(self.laws.touching.get(column, ())):
             row = self.laws.rows[slot]
-            found = self._motion({j: a for j, a in row.items() if j != column})
-            if found:
-                laws.append((slot, -row[column] * found[1], found[0]))
+            motion = self._motion({j: a for j, a in row.items() if j != column})
+            if motion:
+                laws.append((slot, -row[column] * motion[1], motion[0]))
         loads = [(slot, self.loads.rows[slot][column]) for slot in sorted(self.loads.touching.get(column, ()))]
         return ReactionStep(tuple(laws), tuple(loads))

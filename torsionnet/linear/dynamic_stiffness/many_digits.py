@@ -61,9 +61,9 @@ class ManyDigits:
         # The tapes of double precision, with numbers of many digits.
         for excitations, part in problem.parts:
             slots = [sum(factor * kappa[law] for law, factor in source) for source in part.plan.sources]
-            for value, found in run_tape(part.tape, slots).items():
+            for value, quantity in run_tape(part.tape, slots).items():
                 reading, place = divmod(value, len(excitations))
-                solved[reading][excitations[place]] = found
+                solved[reading][excitations[place]] = quantity
         solved, torques = self._closed(solved, s) if self.actions else (solved, [])
         readings = [
             [_factor(part, kappa, s) * motion for motion in solved[part.solved]] for part in self.reading_problem.parts
@@ -78,7 +78,7 @@ class ManyDigits:
 
     def _closed(self, solved: list[list[Any]], s: Any) -> tuple[list[list[Any]], list[list[Any]]]:
         """Solved motions and reactions with actions at work, and torques of actions in N m, per unit excitation."""
-        n, gains = self.reading_problem.n_excitations, [_action_gain(one, s) for one in self.actions]
+        n, gains = self.reading_problem.n_excitations, [_action_gain(action, s) for action in self.actions]
         sensed = [
             [gain * value for value in solved[row]]
             for gain, row in zip(gains, self.reading_problem.sensed, strict=True)
@@ -213,16 +213,16 @@ def _minors(rows: Sequence[Sequence[Any]]) -> dict[int, Any]:
 
     Those missing are 0.
     """
-    found = {0: in_many_digits(1)}
+    minors = {0: in_many_digits(1)}
     for row in rows:
         terms: dict[int, list[Any]] = {}
-        for chosen, minor in found.items():
+        for chosen, minor in minors.items():
             for column, value in enumerate(row):
                 if value and minor and not chosen >> column & 1:
                     sign = (-1) ** (chosen >> column).bit_count()
                     terms.setdefault(chosen | 1 << column, []).append(sign * value * minor)
-        found = {chosen: _left(parts) for chosen, parts in terms.items()}
-    return found
+        minors = {chosen: _left(parts) for chosen, parts in terms.items()}
+    return minors
 
 
 def _left(terms: Sequence[Any]) -> Any:

@@ -68,7 +68,7 @@ def against_measured(outputs: LinearSystem, measured: LinearSystem, names: str, 
     A, B = outputs.A, outputs.B
     # Rows of Q and G, and the chains c_i, c_i A, ... of the derivatives in which no excitation shows.
     followed = [_until_driven(A, B, row, direct, names) for row, direct in zip(measured.C, measured.D, strict=True)]
-    Q, G = (np.array([getattr(one, part) for one in followed]) for part in ("states", "drive"))
+    Q, G = (np.array([getattr(chain_of, part) for chain_of in followed]) for part in ("states", "drive"))
     sizes = np.abs(G).max(axis=1, keepdims=True)
     if np.linalg.svd(G / sizes, compute_uv=False)[-1] < NEGLIGIBLE:
         raise UsageError(
@@ -79,13 +79,13 @@ def against_measured(outputs: LinearSystem, measured: LinearSystem, names: str, 
     closed = A - B @ back @ Q
     # P_(r-1) = B G^-1 e_i, P_(k-1) = (A - B G^-1 Q) P_k: then S P = 1, and w follows no derivative of m.
     S, chains = [], []
-    for number, one in enumerate(followed):
+    for number, chain_of in enumerate(followed):
         column = B @ back[:, number]
         own = []
-        for _ in one.chain:
+        for _ in chain_of.chain:
             own.append(column)
             column = closed @ column
-        S += one.chain
+        S += chain_of.chain
         chains.append(own[::-1])
     P = np.array([column for own in chains for column in own]).reshape(len(S), len(A)).T
     N = _null_space(np.array(S).reshape(len(S), len(A)))
@@ -106,7 +106,8 @@ def balanced(*systems: LinearSystem) -> list[LinearSystem]:
 
     _, (scale, _) = matrix_balance(systems[0].A, permute=False, separate=True)
     return [
-        LinearSystem(one.A / scale[:, None] * scale, one.B / scale[:, None], one.C * scale, one.D) for one in systems
+        LinearSystem(system.A / scale[:, None] * scale, system.B / scale[:, None], system.C * scale, system.D)
+        for system in systems
     ]
 
 
@@ -181,8 +182,8 @@ def warn_of_lost_digits(system: LinearSystem, request: TransferRequest) -> None:
     # Half way, by their ratio, between the slowest and the fastest pole, and beside these.
     omega = np.geomspace(rates.min() / 2, rates.max() * 2, CHECKED)
     expected = transfer_functions(request, law_stiffness([request.assembly.system], omega)).values
-    found = np.array([system.response(1j * rate) for rate in omega])
-    error = np.abs(found - expected) / np.maximum(np.abs(expected).max(axis=0), 1e-300)
+    responses_there = np.array([system.response(1j * rate) for rate in omega])
+    error = np.abs(responses_there - expected) / np.maximum(np.abs(expected).max(axis=0), 1e-300)
     if not error.max(initial=0.0) <= TOLD_ERROR:
         text = f"the state space against {request.names} has lost digits to its fastest poles, up to {error.max():.0e}"
         warn_user(f"{text} of the response's largest value; frequency_response has them")

@@ -238,11 +238,11 @@ def _compiled(request: TransferRequest, reading_problem: ReadingProblem, kappa: 
         if table is None:
             return None
         slots = kappa.law_sums(len(part.plan.sources), part.plan.law_terms)
-        found, conditioning = compiled.read(part.tape, slots, table, kappa.only(table.laws))
+        block, conditioning = compiled.read(part.tape, slots, table, kappa.only(table.laws))
         if len(parts) == 1:
-            values = found
+            values = block
         else:
-            values[:, :, excitations] = found
+            values[:, :, excitations] = block
     return FrequencyPoints(values, conditioning)
 
 

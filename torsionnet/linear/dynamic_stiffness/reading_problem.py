@@ -93,9 +93,9 @@ class ReadingProblem:
             for value in operations[operations[:, 0] == OUTPUT, 1].tolist():
                 place, number = divmod(value, len(excitations))
                 reached.setdefault(place, set()).add(excitations[number])
-        found = set(reached.get(self.parts[reading].solved, ()))
+        reaching = set(reached.get(self.parts[reading].solved, ()))
         # Excitations after those of the request are torques of actions, which hand on what they sense.
-        waiting = [*self.driven[reading], *(number - self.n_excitations for number in found)]
+        waiting = [*self.driven[reading], *(number - self.n_excitations for number in reaching)]
         seen: set[int] = set()
         while waiting:
             action = waiting.pop()
@@ -103,9 +103,9 @@ class ReadingProblem:
                 continue
             seen.add(action)
             more = reached.get(self.sensed[action], set())
-            found |= more
+            reaching |= more
             waiting += [number - self.n_excitations for number in more]
-        return frozenset(number for number in found if number < self.n_excitations)
+        return frozenset(number for number in reaching if number < self.n_excitations)
 
     @cached_property
     def in_other_order(self) -> ReadingProblem:
@@ -124,16 +124,16 @@ def make_reading_problem(
     """Response problem for outputs and measured inputs under excitations, with coefficients at this accuracy."""
     readings = [*outputs, *measured]
     n_given = assembly.system.n_coordinates + len(assembly.kinematics.imposed)
-    twists = dict(enumerate((one for one in excitations if one.is_on_element), n_given))
-    twisted = {law_of_imposed_twist(assembly, one.of): column for column, one in twists.items()}
+    twists = dict(enumerate((channel for channel in excitations if channel.is_on_element), n_given))
+    twisted = {law_of_imposed_twist(assembly, channel.of): column for column, channel in twists.items()}
     rows, gaps = _Rows(assembly, number, twisted), _Gaps()
-    found = [
+    read = [
         gaps.part(reading) if reading.applied or len(reading.terms) != 1 else rows.part(reading.terms[0])
         for reading in readings
     ]
     terms: list[tuple[ReadingPart, ...]] = [() for _ in outputs]
     terms += [tuple(rows.part(term) for term in reading.terms) for reading in measured]
-    sensed = tuple(rows.number_of(assembly.columns_of(one.sensed, number)) for one in assembly.system.actions)
+    sensed = tuple(rows.number_of(assembly.columns_of(action.sensed, number)) for action in assembly.system.actions)
     columns = dict(enumerate(gaps.found, n_given + len(twists)))
     # gamma of every law, with what opening gaps adds to it and imposed twists take from it.
     rounded = number is float
@@ -153,9 +153,9 @@ def make_reading_problem(
     )
     applied = np.zeros((len(readings), len(excitations)))
     for place, reading in enumerate(measured, len(outputs)):
-        for column, one in enumerate(excitations):
-            applied[place, column] = float(reading.direct(one.row)) if one.quantity == "torque" else 0.0
-    parts = (part if part.term else part._replace(solved=len(rows.rows) + part.solved) for part in found)
+        for column, channel in enumerate(excitations):
+            applied[place, column] = float(reading.direct(channel.row)) if channel.quantity == "torque" else 0.0
+    parts = (part if part.term else part._replace(solved=len(rows.rows) + part.solved) for part in read)
     driven = tuple(reading.actions for reading in readings)
     return ReadingProblem(problem, tuple(parts), tuple(terms), applied, sensed, driven)
 
@@ -173,24 +173,24 @@ def _loadings(
     number: Number,
 ) -> tuple[Loading, ...]:
     """Unit excitations, then a unit torque of each action, with the torques in N m that they put on gaps."""
-    found: list[Loading] = []
+    loadings: list[Loading] = []
     reduced = assembly.kinematics.reduced
     driving: list[Input | ActionLaw] = [*excitations, *assembly.system.actions]
-    for one in driving:
-        if isinstance(one, Input) and one.is_on_element:
-            motion = {column: number(Fraction(1)) for column, twist in twists.items() if twist == one}
-            found.append(Loading(motion=motion))
+    for driver in driving:
+        if isinstance(driver, Input) and driver.is_on_element:
+            motion = {column: number(Fraction(1)) for column, twist in twists.items() if twist == driver}
+            loadings.append(Loading(motion=motion))
             continue
         # Torques on nodes as torques on coordinates, f = T^T a, and an imposed angle as its own column.
-        nodes: Mapping[str, Fraction | int] = one.row if isinstance(one, Input) else one.nodes
-        row: Mapping[str, Any] = exact_row(reduced(one.row)) if isinstance(one, Input) else one.row
+        nodes: Mapping[str, Fraction | int] = driver.row if isinstance(driver, Input) else driver.nodes
+        row: Mapping[str, Any] = exact_row(reduced(driver.row)) if isinstance(driver, Input) else driver.row
         columns = assembly.columns_of(row, number)
-        if isinstance(one, Input) and one.quantity == "angle":
-            found.append(Loading(motion=columns))
+        if isinstance(driver, Input) and driver.quantity == "angle":
+            loadings.append(Loading(motion=columns))
         else:
             at_gaps = {column: number(work) for column, gap in gaps.items() if (work := gap.work(nodes))}
-            found.append(Loading(load={**columns, **at_gaps}))
-    return tuple(found)
+            loadings.append(Loading(load={**columns, **at_gaps}))
+    return tuple(loadings)
 
 
 @dataclass

@@ -172,20 +172,22 @@ class _Back(_Taping):
 
     def _motions(self, way: Sequence[_Eliminated], excitation: int) -> dict[int, TapeQuantity]:
         writer = self.writer
-        found = {slot: TapeQuantity(-1, given[excitation]) for slot, given in self.plan.given if given[excitation]}
+        motions = {slot: TapeQuantity(-1, given[excitation]) for slot, given in self.plan.given if given[excitation]}
         # Back along the way: r q = r_v f_v/S + sum_e (kappa_e a_ev/S) b_e q, equation (3.5).
-        for one in reversed(way):
-            for motion in one.step.motions:
+        for eliminated in reversed(way):
+            for motion in eliminated.step.motions:
                 total = None
-                if motion.load and excitation in one.loads:
-                    total = writer.times(one.loads[excitation], TapeQuantity(-1, motion.load))
+                if motion.load and excitation in eliminated.loads:
+                    total = writer.times(eliminated.loads[excitation], TapeQuantity(-1, motion.load))
                 for i, factor, source in motion.parts:
-                    if source in found:
-                        part = writer.times(writer.times(one.shares[i], found[source]), TapeQuantity(-1, factor))
+                    if source in motions:
+                        part = writer.times(
+                            writer.times(eliminated.shares[i], motions[source]), TapeQuantity(-1, factor)
+                        )
                         total = writer.plus(total, part)
                 if total is not None:
-                    found[motion.slot] = total
-        return found
+                    motions[motion.slot] = total
+        return motions
 
     def _read(self, motions: dict[int, TapeQuantity], excitation: int) -> Iterable[tuple[int, TapeQuantity]]:
         writer = self.writer
@@ -216,17 +218,17 @@ class _Forward(_Taping):
         values: dict[tuple[int, int], TapeQuantity] = {}
         for number, (slot, factor) in enumerate(self.plan.outputs):
             self._add(self.carried[slot], number, TapeQuantity(-1, factor))
-        for one in self._eliminated():
-            for motion in one.step.motions:
+        for eliminated in self._eliminated():
+            for motion in eliminated.step.motions:
                 for reading, weight in self._taken(motion.slot):
                     # r q = sum factor s_i (b q): the weight of the motion passes on to those it is made of ...
                     for i, factor, source in motion.parts:
-                        part = writer.times(weight, one.shares[i])
+                        part = writer.times(weight, eliminated.shares[i])
                         self._add(self.carried[source], reading, writer.times(part, TapeQuantity(-1, factor)))
                     # ... and meets f_v / S, what loads do on the spot.
                     if motion.load:
                         own = writer.times(weight, TapeQuantity(-1, motion.load))
-                        for e, met in [(e, writer.times(own, load)) for e, load in one.loads.items()]:
+                        for e, met in [(e, writer.times(own, load)) for e, load in eliminated.loads.items()]:
                             self._add(values, (reading, e), met)
         for slot, given in self.plan.given:
             for reading, weight in self._taken(slot):
@@ -308,8 +310,8 @@ class ResponseProblem:
 
         Few torques are solved one by one, and all imposed motions at once.
         """
-        loads = [number for number, one in enumerate(self.excitations) if not one.motion]
-        motions = [number for number, one in enumerate(self.excitations) if one.motion]
+        loads = [number for number, loading in enumerate(self.excitations) if not loading.motion]
+        motions = [number for number, loading in enumerate(self.excitations) if loading.motion]
         groups = [[number] for number in loads] if len(loads) <= MOST_SINGLE_TORQUES else [loads]
         groups += [motions] if motions else []
         if len(groups) == 1:

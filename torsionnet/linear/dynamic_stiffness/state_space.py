@@ -231,7 +231,7 @@ def first_order(
     # Columns of B: torques on rows of nodes, and after them those of actions, whose loops are closed last.
     loads = [assembly.rows_of(channel.row)[0] for channel in inputs]
     actions = law_states(assembly, points) if closing is None else closing
-    loads += [one.row for one in (*opened, *actions)]
+    loads += [action.row for action in (*opened, *actions)]
     # Motions with inertia have two states, those with dampers alone one, the others follow at once.
     kinds = motion_kinds(system)
     columns = np.array(loads).reshape(len(loads), system.n_coordinates).T
@@ -257,40 +257,46 @@ def reduced_matrices(
     UsageError
         An action follows, or drives, rates of a coordinate that has none in the laws.
     """
-    found = [system.K, system.C, system.M]
+    matrices = [system.K, system.C, system.M]
     _, damped, static = kinds
     # A torque that follows a rate at once needs a damper there, one that follows an acceleration an inertia.
     for power, without in ((1, static), (2, np.hstack([damped, static]))):
-        for one in actions:
-            touched = max(float(np.abs(row @ without).max(initial=0.0)) for row in (one.row, one.sensed))
-            if one.at_once[power] and touched > NEGLIGIBLE_COEFFICIENT:
+        for action in actions:
+            touched = max(float(np.abs(row @ without).max(initial=0.0)) for row in (action.row, action.sensed))
+            if action.at_once[power] and touched > NEGLIGIBLE_COEFFICIENT:
                 what = "inertia" if power == HIGHEST_POWER else "inertia or damper"
                 raise UsageError(
-                    f"{one.action.owner} acts at once on a rate where there is no {what}; give it a filter",
+                    f"{action.action.owner} acts at once on a rate where there is no {what}; give it a filter",
                     kind="unsupported-law",
                 )
     # An action drives by the factor at_once[p] times s^p y, which leaves the matrix of that power: K, C or M.
-    for one in actions:
-        found = [
-            matrix - value * np.outer(one.row, one.sensed) for matrix, value in zip(found, one.at_once, strict=True)
+    for action in actions:
+        matrices = [
+            matrix - value * np.outer(action.row, action.sensed)
+            for matrix, value in zip(matrices, action.at_once, strict=True)
         ]
-    return found[2], found[1], found[0]
+    return matrices[2], matrices[1], matrices[0]
 
 
 def close_loops_in_states(form: StateSpaceForm, actions: Sequence[LawStates]) -> StateSpaceForm:
     """State equations with controllers at work, from those in which their torques are the last inputs."""
     n_act, n_x = len(actions), len(form.A)
     n_u = form.B.shape[1] - n_act
-    sizes = np.cumsum([0, *(len(one.F) for one in actions)])
+    sizes = np.cumsum([0, *(len(action.F) for action in actions)])
     n_z = int(sizes[-1])
     F, G, H = np.zeros((n_z, n_z)), np.zeros((2, n_z, n_act)), np.zeros((n_act, n_z))
-    for number, one in enumerate(actions):
+    for number, action in enumerate(actions):
         own = slice(sizes[number], sizes[number + 1])
-        F[own, own], G[0, own, number], G[1, own, number], H[number, own] = one.F, one.G[:, 0], one.G[:, 1], one.H
-    sensed = np.array([one.sensed for one in actions])
+        F[own, own], G[0, own, number], G[1, own, number], H[number, own] = (
+            action.F,
+            action.G[:, 0],
+            action.G[:, 1],
+            action.H,
+        )
+    sensed = np.array([action.sensed for action in actions])
     Y, Y_in = sensed @ form.X, sensed @ form.U
     if np.abs(np.abs(G[1]) @ np.abs(Y_in)).any():
-        names = ", ".join(dict.fromkeys(one.action.owner for one in actions))
+        names = ", ".join(dict.fromkeys(action.action.owner for action in actions))
         raise UsageError(
             f"{names}: the rate of what has neither inertia nor damper follows the rate of a torque",
             kind="unsupported-law",
@@ -303,10 +309,10 @@ def close_loops_in_states(form: StateSpaceForm, actions: Sequence[LawStates]) ->
     ])  # fmt: skip
     inputs = np.vstack([B, G[0] @ Y_u + G[1] @ Y @ B])
     X = np.hstack([form.X, form.U[:, n_u:] @ H])
-    names_of = [f"state {place + 1} of {one.action.owner}" for one in actions for place in range(len(one.F))]
+    names_of = [f"state {place + 1} of {action.action.owner}" for action in actions for place in range(len(action.F))]
     torques = np.hstack([np.zeros((n_act, n_x)), H])
-    found = replace(form, A=A, B=inputs, X=X, U=form.U[:, :n_u], states=(*form.states, *names_of))
-    return replace(found, actions=tuple(actions), torques=torques)
+    closed = replace(form, A=A, B=inputs, X=X, U=form.U[:, :n_u], states=(*form.states, *names_of))
+    return replace(closed, actions=tuple(actions), torques=torques)
 
 
 def _state_names(coordinates: Sequence[str], heavy: FloatArray, damped: FloatArray) -> tuple[str, ...]:
@@ -389,7 +395,7 @@ def output_matrices(
     C, D = np.zeros((len(readings), len(system.A))), np.zeros((len(readings), len(inputs) + len(opened)))
     for number, reading in enumerate(readings):
         direct = [float(reading.direct(channel.row)) for channel in inputs]
-        direct += [action_share(assembly, reading, one) for one in opened]
+        direct += [action_share(assembly, reading, action) for action in opened]
         C[number], D[number] = _output_rows(assembly, reading, np.array(direct), system)
     return C, D
 
@@ -404,9 +410,9 @@ def _output_rows(
     motions: list[tuple[float, FloatArray, Any]] = [
         (float(term.factor), term.row, powers_of_s(assembly, term)) for term in reading.terms
     ]
-    for number, one in enumerate(system.actions):
-        weight = action_share(assembly, reading, one)
-        motions.append((weight, one.sensed, one.at_once))
+    for number, action in enumerate(system.actions):
+        weight = action_share(assembly, reading, action)
+        motions.append((weight, action.sensed, action.at_once))
         C += weight * system.torques[number]
     for gain, row, powers in motions:
         # p_0 + p_1 s + p_2 s^2 of the motion X x + U u, with s x = A x + B u.
@@ -433,5 +439,5 @@ def action_share(assembly: Assembly, reading: Functional, action: LawStates) -> 
     """Factor of an action's torque in a reading, as it is read itself or applied to nodes that are read."""
     nodes = action.action.nodes.items()
     applied = sum((share * reading.applied.get(node, 0) for node, share in nodes), start=Fraction(0))
-    number = next(place for place, one in enumerate(assembly.system.actions) if one is action.action)
+    number = next(place for place, law in enumerate(assembly.system.actions) if law is action.action)
     return float(reading.actions.get(number, 0) + applied)

@@ -114,30 +114,30 @@ class Writer:
         # Backwards: an operation is needed if an output or another needed one reads what it sets.
         used: set[int] = set()
         needed = []
-        for one in reversed(self.operations):
-            if one.code == OUTPUT or one.t in used:
-                used.update(one.read)
-                needed.append(one)
+        for operation in reversed(self.operations):
+            if operation.code == OUTPUT or operation.t in used:
+                used.update(operation.read)
+                needed.append(operation)
         needed.reverse()
         # Forwards: every result gets a register, which is free again after the last operation that reads it.
-        last = {name: place for place, one in enumerate(needed) for name in one.read}
+        last = {name: place for place, operation in enumerate(needed) for name in operation.read}
         home: dict[int, int] = {}
         free: list[int] = []
         placed, n_registers = [], 0
-        for place, one in enumerate(needed):
-            sources = [home[name] for name in one.read]
-            target = one.t
+        for place, operation in enumerate(needed):
+            sources = [home[name] for name in operation.read]
+            target = operation.t
             # Never the place of a source: compilers make vector instructions only of what does not overlap.
-            if one.code != OUTPUT:
+            if operation.code != OUTPUT:
                 if not free:
                     free.append(n_registers)
                     n_registers += 1
-                target = home[one.t] = free.pop()
-            free += [home.pop(name) for name in dict.fromkeys(one.read) if last[name] == place]
-            a, b = (*sources, one.a, one.b)[:2] if len(sources) != 1 else (sources[0], one.b)
-            placed.append((one.code, target, a, b))
+                target = home[operation.t] = free.pop()
+            free += [home.pop(name) for name in dict.fromkeys(operation.read) if last[name] == place]
+            a, b = (*sources, operation.a, operation.b)[:2] if len(sources) != 1 else (sources[0], operation.b)
+            placed.append((operation.code, target, a, b))
         operations = np.array(placed, dtype=np.int64).reshape(-1, 4)
-        return Tape(operations, np.array([one.factor for one in needed]), n_registers, n_values)
+        return Tape(operations, np.array([operation.factor for operation in needed]), n_registers, n_values)
 
 
 Array: TypeAlias = NDArray[Any]
@@ -164,7 +164,7 @@ def sweep(tape: Tape, kappa: LawStiffness) -> Array:
     in_cache = BLOCK_BYTES // (kind.itemsize * (tape.n_registers + 1))
     for part in kappa.blocks(min(MOST_POINTS, max(FEWEST_POINTS, in_cache))):
         n_points = part.n_points
-        registers, found = np.empty((tape.n_registers + 1, n_points), dtype=kind), values[:, start : start + n_points]
+        registers, outputs = np.empty((tape.n_registers + 1, n_points), dtype=kind), values[:, start : start + n_points]
         start += n_points
         *r, spare = registers
         # Laws are written by variant and frequency, real and imaginary part apart.
@@ -186,5 +186,5 @@ def sweep(tape: Tape, kappa: LawStiffness) -> Array:
             elif code == CONSTANT:
                 r[t].fill(factor)
             else:
-                np.multiply(r[a], factor, out=found[t])
+                np.multiply(r[a], factor, out=outputs[t])
     return values

@@ -43,7 +43,7 @@ class TransferRequest:
     @property
     def sensors(self) -> tuple[Sensor, ...]:
         """Sensors of the outputs, then of the measured inputs, without readings that have no sensor."""
-        return tuple(one.sensor for one in (*self.outputs, *self.measured) if one.sensor is not None)
+        return tuple(reading.sensor for reading in (*self.outputs, *self.measured) if reading.sensor is not None)
 
     @cached_property
     def reading_problem(self) -> ReadingProblem:
@@ -125,26 +125,26 @@ def request_for_model(drivetrain: AssembledModel, request: TransferRequest) -> T
     def read(known: Functional) -> Functional:
         return known if known.sensor is None else functional(drivetrain, known.sensor, known.name)
 
-    sensors = [one.sensor for one in request.measured if one.sensor is not None]
+    sensors = [reading.sensor for reading in request.measured if reading.sensor is not None]
     inputs: list[Sensor | Input] = [*sensors] if request.is_measured else [*request.excitations]
-    found = resolve_inputs(drivetrain, tuple(inputs), list(request.excitations) if request.is_measured else None)
+    resolved = resolve_inputs(drivetrain, tuple(inputs), list(request.excitations) if request.is_measured else None)
     outputs, measured = tuple(map(read, request.outputs)), tuple(map(read, request.measured))
-    return replace(found, outputs=outputs, measured=measured, notes=request.notes).with_reached_inputs()
+    return replace(resolved, outputs=outputs, measured=measured, notes=request.notes).with_reached_inputs()
 
 
 def stress_section_moduli(
     drivetrain: AssembledModel, entries: Iterable[str | Sensor | Input | Sequence[str | Sensor | Input]]
 ) -> tuple[Any, ...]:
     """Section moduli in m^3 of the shafts whose stress is requested, on which a reading depends besides the rows."""
-    found = []
+    moduli = []
     for entry in entries:
-        for one in entry if isinstance(entry, list | tuple) else [entry]:
-            sensor = named_sensor(one, drivetrain.sensors) if isinstance(one, str | Sensor) else None
+        for channel in entry if isinstance(entry, list | tuple) else [entry]:
+            sensor = named_sensor(channel, drivetrain.sensors) if isinstance(channel, str | Sensor) else None
             if sensor is not None and sensor.quantity == "stress" and sensor.of in drivetrain.elements:
                 from torsionnet.model.element_base.round_section import section_modulus
 
-                found.append(section_modulus(drivetrain.elements[sensor.of], Values(drivetrain.exact_values)))
-    return tuple(found)
+                moduli.append(section_modulus(drivetrain.elements[sensor.of], Values(drivetrain.exact_values)))
+    return tuple(moduli)
 
 
 def resolve_request(
@@ -188,10 +188,12 @@ def resolve_inputs(
                 kind="wrong-count",
             )
         pairs = zip(entries, excitations, strict=True)
-        inputs = tuple(Functional(str(entry), UNITS[one.quantity], ()) for entry, one in pairs)
+        inputs = tuple(Functional(str(entry), UNITS[channel.quantity], ()) for entry, channel in pairs)
         return TransferRequest((), inputs, excitations, is_measured=False, assembly=drivetrain.assembly)
     if excitations:
-        unmeasured = [str(entry) for entry, one in zip(entries, resolved, strict=True) if isinstance(one, Input)]
+        unmeasured = [
+            str(entry) for entry, channel in zip(entries, resolved, strict=True) if isinstance(channel, Input)
+        ]
         raise UsageError(
             f"{', '.join(unmeasured)} is an excitation and the other inputs are measured; "
             "put a sensor where the excitation acts, or name measured inputs only",
@@ -222,7 +224,9 @@ def resolve_inputs(
 def _torque_on(drivetrain: AssembledModel, channel: Input) -> Input:
     """The given torque input if it acts on nodes that can move, else UsageError, as every response would be zero."""
     kinematics, where = drivetrain.assembly.kinematics, named_nodes(channel)
-    same = (name for name, one in drivetrain.inputs.items() if one.quantity == "angle" and one.nodes == channel.nodes)
+    same = (
+        name for name, given in drivetrain.inputs.items() if given.quantity == "angle" and given.nodes == channel.nodes
+    )
     if (driven := next(same, None)) is not None:
         raise UsageError(
             f"the angle of {where} is imposed by {driven}; name that input, or another node", kind="no-effect"

@@ -168,7 +168,7 @@ def active_modes(assembly: Assembly) -> tuple[EigenSolution, tuple[str, ...], tu
         return _with_hysteresis(assembly)
     require_resistance(system, (system.inertia != 0) | (system.damping != 0) | (system.stiffness != 0))
     pencil = ActivePencil(assembly)
-    delay = max((float(one.delay) for one in system.actions), default=0.0)
+    delay = max((float(action.delay) for action in system.actions), default=0.0)
     poles, warned, notes = _delayed(pencil, delay) if delay else _rational(pencil)
     poles = _in_many_digits(assembly, poles)
     return _solution(sorted(poles, key=lambda pole: abs(pole.value)), pencil.static_shapes), warned, notes
@@ -183,7 +183,7 @@ def _with_hysteresis(assembly: Assembly) -> tuple[EigenSolution, tuple[str, ...]
         A stiffness varies with frequency.
     """
     system = assembly.system
-    varying = [assembly.owners[law] for law, one in system.dynamic if not isinstance(one, ComplexStiffness)]
+    varying = [assembly.owners[law] for law, table in system.dynamic if not isinstance(table, ComplexStiffness)]
     if varying:
         names = ", ".join(dict.fromkeys(varying))
         text = f"modes with controllers are not calculated where a stiffness varies with frequency: {names}"
@@ -236,8 +236,8 @@ def _distinct_poles(poles: Sequence[Pole]) -> list[Pole]:
     return distinct
 
 
-def _differ(one: Pole, other: Pole) -> bool:
-    a, b = one.vector, other.vector
+def _differ(pole: Pole, other: Pole) -> bool:
+    a, b = pole.vector, other.vector
     return bool(abs(a.conj() @ b) < (1 - SAME_POLE) * np.linalg.norm(a) * np.linalg.norm(b))
 
 
@@ -261,7 +261,7 @@ def _rational(pencil: ActivePencil) -> tuple[list[Pole], tuple[str, ...], tuple[
                 firm.append(pole)
                 left -= pole.count
     if left:  # a double root is no simple root, on which the iteration converges
-        for pole in sorted(loose, key=lambda one: one.error):
+        for pole in sorted(loose, key=lambda pole_left: pole_left.error):
             if pole.count <= left and pole.error < 1:
                 firm.append(pole)
                 left -= pole.count
@@ -271,8 +271,8 @@ def _rational(pencil: ActivePencil) -> tuple[list[Pole], tuple[str, ...], tuple[
     return firm, (*_count_warning(zeros, pencil.zeros, " at zero"), *_count_warning(count, total - left)), ()
 
 
-def _count_warning(counted: int, found: int, where: str = "") -> tuple[str, ...]:
-    return () if counted == found else (f"{counted} poles{where} were counted, but {found} found",)
+def _count_warning(counted: int, met: int, where: str = "") -> tuple[str, ...]:
+    return () if counted == met else (f"{counted} poles{where} were counted, but {met} found",)
 
 
 def _on_exact_equation(pencil: ActivePencil, pole: Pole) -> Pole | None:
@@ -410,7 +410,7 @@ def _solution(poles: Sequence[Pole], rigid: FloatArray) -> EigenSolution:
     return EigenSolution(
         eigenvalues=np.concatenate([zeros, values]).astype(complex),
         vectors=np.hstack([_scaled(rigid), _scaled(shapes)]).astype(complex),
-        kinds=(RIGID,) * n_rigid + tuple(REAL if one else OSCILLATORY for one in real),
+        kinds=(RIGID,) * n_rigid + tuple(REAL if is_real else OSCILLATORY for is_real in real),
         converged=np.ones(n_rigid + count, dtype=bool),
         iterations=np.concatenate([zeros, np.ones(count)]).astype(int),
         errors=np.concatenate([zeros, [pole.error for pole in poles]]),

@@ -69,8 +69,8 @@ class ActivePencil:
     def _rows(self) -> tuple[FloatArray, FloatArray]:
         """Coefficients (n_act, n_q) of the motions that controllers drive, and of those that they sense."""
         actions, n = self.assembly.system.actions, self.n_coordinates
-        driven = [self.assembly.over_coordinates(one.row) for one in actions]
-        sensed = [self.assembly.over_coordinates(one.sensed) for one in actions]
+        driven = [self.assembly.over_coordinates(action.row) for action in actions]
+        sensed = [self.assembly.over_coordinates(action.sensed) for action in actions]
         return np.array(driven).reshape(-1, n), np.array(sensed).reshape(-1, n)
 
     @property
@@ -190,9 +190,9 @@ class ActivePencil:
             return np.zeros(0, dtype=complex)
         # 1 / s is an eigenvalue of [[-A^-1 B, -A^-1 C], [I, 0]], so that the slow roots are the largest ones.
         values = np.linalg.eigvals(np.vstack([follow, np.eye(n, 2 * n)]))
-        found = 1 / values
-        found = found[np.isfinite(found)]
-        return np.asarray(found[np.argsort(np.abs(found), kind="stable")], dtype=complex)
+        roots = 1 / values
+        roots = roots[np.isfinite(roots)]
+        return np.asarray(roots[np.argsort(np.abs(roots), kind="stable")], dtype=complex)
 
     @np.errstate(all="ignore")  # exponentials of delays overflow far to the left
     def null_vector(self, s: complex) -> ComplexArray:
@@ -330,7 +330,7 @@ class ActivePencil:
     @np.errstate(all="ignore")  # exponentials of delays overflow far to the left
     def count_within(self, radius: float) -> int | None:
         """Number of poles within a circle of this radius in rad/s, zeros included, or None with a pole on it."""
-        delays = sum(float(one.delay) for one in self.assembly.system.actions)
+        delays = sum(float(action.delay) for action in self.assembly.system.actions)
         n = max(POINTS_ON_CIRCLE, POINTS_PER_ROW * self.size, math.ceil(POINTS_PER_DELAY_RADIAN * radius * delays))
         first = self._phase(radius, 0.0)
         angles = np.linspace(0, np.pi, n + 1)  # conjugate roots: the lower half adds the same phase
@@ -344,8 +344,8 @@ class ActivePencil:
             middle = (a + b) / 2
             # Steps are halved until the phase turns little and evenly, so that no whole turn is missed.
             half = self._phase(radius, middle)
-            one, two = np.angle(half / p), np.angle(q / half)
-            if abs(one) < 0.8 and abs(two) < 0.8 and abs(one + two - change) < 1e-6:
+            first_turn, second_turn = np.angle(half / p), np.angle(q / half)
+            if abs(first_turn) < 0.8 and abs(second_turn) < 0.8 and abs(first_turn + second_turn - change) < 1e-6:
                 total += float(change)
                 continue
             steps += 1
@@ -432,8 +432,8 @@ def state_eigenvalues(pencil: ActivePencil, points: int) -> list[Pole]:
         q = form.X @ x
         # Torque of an action: what follows the sensed motion at once, and that of its states.
         torques = [
-            (one.sensed @ q) * np.polynomial.polynomial.polyval(value, one.at_once) + form.torques[place] @ x
-            for place, one in enumerate(form.actions)
+            (action.sensed @ q) * np.polynomial.polynomial.polyval(value, action.at_once) + form.torques[place] @ x
+            for place, action in enumerate(form.actions)
         ]
         # |d lambda| <= eps ||A|| cond(lambda)
         error = EPS * size * float(condition[number]) / abs(value) if value else np.inf

@@ -134,16 +134,16 @@ class Bordered:
             coefficients = self.determinant(prime)
             # Roots at zero are divided out first.
             factors = square_free(coefficients[_zeros(coefficients) :], prime)
-            found = {multiplicity: factor for multiplicity, factor in factors.items() if multiplicity > 1}
+            repeated = {multiplicity: factor for multiplicity, factor in factors.items() if multiplicity > 1}
             # Other degrees: the prime before or this one is unlucky, and joining begins again.
-            if {m: len(factor) for m, factor in joined.items()} != {m: len(factor) for m, factor in found.items()}:
-                joined, modulus = found, prime
+            if {m: len(factor) for m, factor in joined.items()} != {m: len(factor) for m, factor in repeated.items()}:
+                joined, modulus = repeated, prime
             else:
                 # Chinese remainder theorem: the number that leaves x modulo all primes before and y modulo this one.
                 inverse = pow(modulus, -1, prime)
                 for m, values in joined.items():
                     joined[m] = [
-                        x + modulus * ((y - x) * inverse % prime) for x, y in zip(values, found[m], strict=True)
+                        x + modulus * ((y - x) * inverse % prime) for x, y in zip(values, repeated[m], strict=True)
                     ]
                 modulus *= prime
             now = {m: [rational_from_residue(value, modulus) for value in values] for m, values in joined.items()}
@@ -288,8 +288,8 @@ def _approximate(bordered: Bordered, rate: float, count: int, zeros: int) -> Roo
     E[:n, :n], A[:n, size:] = np.eye(n), np.eye(n)
     E[n:, size:], A[n:, size:] = P_2[:, :n], -P_1[:, :n]
     A[n:, :size] = -P_0
-    found: Any = scipy.linalg.eig(A, E, left=True, right=True, homogeneous_eigvals=True)
-    (alpha, beta), lefts, rights = found
+    solution: Any = scipy.linalg.eig(A, E, left=True, right=True, homogeneous_eigvals=True)
+    (alpha, beta), lefts, rights = solution
     with np.errstate(all="ignore"):
         values = alpha / beta
         # Condition by y^H E x of both vectors, times a backward error eps (||A|| + |z| ||E||).
@@ -328,8 +328,8 @@ def _refined(bordered: Bordered, roots: Roots, zeros: int) -> Roots:
     p = ehrlich_aberth.exact_polynomial(bordered.size, bordered.entries)
     chosen = (roots.errors > REFINE_ABOVE) & ~known
     chosen = most_uncertain(chosen, roots.errors, MAX_OPERATIONS // max(p.operations, 1))
-    found, done = ehrlich_aberth.refine_roots(p, values, chosen, zeros, roots.errors)
-    values = np.where(chosen, ehrlich_aberth.to_complex(found, square_root=False), values)
+    refined, done = ehrlich_aberth.refine_roots(p, values, chosen, zeros, roots.errors)
+    values = np.where(chosen, ehrlich_aberth.to_complex(refined, square_root=False), values)
     errors = np.where(chosen | known, ehrlich_aberth.CONVERGED, roots.errors)
     # Roots of a real determinant come in conjugate pairs: otherwise one has gone to a neighbour.
     if not (done and has_pairs(values)):
@@ -339,7 +339,7 @@ def _refined(bordered: Bordered, roots: Roots, zeros: int) -> Roots:
         start = (
             np.cos(np.arange(bordered.size) + 2.4 * j) + 0j
         )  # any vector: that of an uncertain root may have no motion
-        vectors[:, j] = ehrlich_aberth.refine_vector(p, found[j], start)
+        vectors[:, j] = ehrlich_aberth.refine_vector(p, refined[j], start)
     return Roots(values, vectors, errors)
 
 

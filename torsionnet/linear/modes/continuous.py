@@ -82,14 +82,14 @@ def _negative_eigenvalues(rows: Sequence[dict[int, float]], kappa: FloatArray, n
 
 def _eliminated(acting: Laws, v: int, pivot: FloatArray) -> Laws:
     """Laws (row, stiffness in N m/rad) on other coordinates that replace those on v when v is eliminated."""
-    found: Laws = []
+    laws: Laws = []
     for place, (first, kappa) in enumerate(acting):
         for second, other in acting[place + 1 :]:
             columns = (first.keys() | second.keys()) - {v}
             # b = a_fv a_e - a_ev a_f, in which v cancels, with kappa_e kappa_f / S
             row = {c: second[v] * first.get(c, 0.0) - first[v] * second.get(c, 0.0) for c in columns}
-            found.append(({c: value for c, value in row.items() if value}, kappa * (other / pivot)))
-    return [law for law in found if law[0]]
+            laws.append(({c: value for c, value in row.items() if value}, kappa * (other / pivot)))
+    return [law for law in laws if law[0]]
 
 
 def _merged(laws: Laws) -> Laws:
@@ -155,9 +155,9 @@ OFF_CLAMPED = 1.0123
 
 def elastic(system: RowSystem) -> Mask:
     """Mask (n_laws,) of the laws that resist a slow motion, that is of springs and elastic shafts."""
-    found = system.stiffness > 0
-    found[[law for law, table in system.dynamic if table.is_elastic]] = True
-    return np.asarray(found)
+    springs = system.stiffness > 0
+    springs[[law for law, table in system.dynamic if table.is_elastic]] = True
+    return np.asarray(springs)
 
 
 def rigid_motions(system: RowSystem) -> FloatArray:
@@ -204,7 +204,7 @@ def first_rate(system: RowSystem) -> float:
     rates = []
     for _, table in system.dynamic:
         if table.is_continuous:
-            k, J, *_ = (float(one) for one in table.coefficients)
+            k, J, *_ = (float(coefficient) for coefficient in table.coefficients)
             # Both ends free: omega = pi sqrt(k / J), with stiffness and inertia of the whole shaft.
             rates.append(np.pi * np.sqrt(k / J))
     return float(min(rates))
@@ -233,13 +233,13 @@ def _undamped_modes(system: RowSystem, count: int) -> tuple[FloatArray, FloatArr
 
 def equal_rates(rates: FloatArray) -> list[list[int]]:
     """Groups of indices of rising natural frequencies that are equal within rounding."""
-    found: list[list[int]] = []
+    groups: list[list[int]] = []
     for place, rate in enumerate(rates):
-        if found and rate - rates[found[-1][0]] <= SAME_FREQUENCY * rate:
-            found[-1].append(place)
+        if groups and rate - rates[groups[-1][0]] <= SAME_FREQUENCY * rate:
+            groups[-1].append(place)
         else:
-            found.append([place])
-    return found
+            groups.append([place])
+    return groups
 
 
 def _null_vectors(system: RowSystem, modes: ModeCount, omega: float, count: int) -> FloatArray:
@@ -251,5 +251,5 @@ def _null_vectors(system: RowSystem, modes: ModeCount, omega: float, count: int)
     values, vectors = np.linalg.eigh(scale[:, None] * D * scale)
     # D is singular at a natural frequency: the eigenvalues next to zero belong to its shapes.
     chosen = np.argsort(np.abs(values))[:count]
-    found = scale[:, None] * vectors[:, chosen]
-    return np.asarray(found / np.abs(found).max(axis=0))
+    shapes = scale[:, None] * vectors[:, chosen]
+    return np.asarray(shapes / np.abs(shapes).max(axis=0))

@@ -140,7 +140,7 @@ def _followed(
     for place, group in enumerate(vibrating):
         beside = [rates[vibrating[other][0]] for other in (place - 1, place + 1) if 0 <= other < len(vibrating)]
         rate = float(np.mean(rates[group]))
-        room = min([abs(rate - one) for one in beside] or [rate])
+        room = min([abs(rate - neighbour) for neighbour in beside] or [rate])
         for start, shape in _split_by_damping(damped, rate, shapes[:, group].astype(complex)):
             mode = _follow(damped, start, shape, room)
             if mode is None or (mode.value.imag <= ON_AXIS * abs(mode.value)):
@@ -154,7 +154,7 @@ def _without_repetitions(modes: list[Mode]) -> int:
     """Number of modes that were found twice, after the repetitions are taken out of the list ``modes``."""
     kept: list[Mode] = []
     for mode in modes:
-        same = [one.shape for one in kept if abs(one.value - mode.value) <= SAME_FREQUENCY * abs(mode.value)]
+        same = [known.shape for known in kept if abs(known.value - mode.value) <= SAME_FREQUENCY * abs(mode.value)]
         basis = np.array([*same, mode.shape]).T
         sizes = np.linalg.svd(basis / np.linalg.norm(basis, axis=0), compute_uv=False)
         if not same or sizes[-1] > 1e-5:

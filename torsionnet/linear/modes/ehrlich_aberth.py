@@ -373,11 +373,11 @@ def isolated_root(
         vector: list[Any] = [mpmath.mpmathify(shape[j].item()) for j in np.argsort(p.place)]
         for _ in range(MOST_STEPS):
             # q <- P(z)^-1 P'(z) q
-            _, found = eliminate(p.at(z), p.slope(z, vector))
-            largest = max(found, key=size_of, default=None)
+            _, followed = eliminate(p.at(z), p.slope(z, vector))
+            largest = max(followed, key=size_of, default=None)
             if not largest:
                 return None
-            vector = [value / largest for value in found]
+            vector = [value / largest for value in followed]
             last, z = z, _quotient(p, vector, z)
             # Farther than a third of the room around the start another root may be met.
             if z is None or size_of(z - first) > space / 3:

@@ -105,8 +105,8 @@ class ExactPencil:
                 add(place, place, power, value)
             sensed = {index[name]: value for name, value in action.sensed.items() if name in index}
             delayed.append(DelayedRow(place, action.numerator, sensed, action.delay))
-        found = {place: tuple(values) for place, values in entries.items()}
-        return cls(len(index) + len(assembly.system.actions), found, tuple(delayed))
+        undelayed = {place: tuple(values) for place, values in entries.items()}
+        return cls(len(index) + len(assembly.system.actions), undelayed, tuple(delayed))
 
     def coefficient_rows(self, k: int) -> list[dict[int, Fraction]]:
         """Rows of the coefficient matrix of s^k in the exact P(s), each as a map from column to rational."""
@@ -115,22 +115,22 @@ class ExactPencil:
             for (i, j), values in self.undelayed.items():
                 if k < len(values) and values[k]:
                     rows[i][j] = values[k]
-            for one in self.delayed:
-                factor = one.coefficient(k)
-                for j, value in one.sensed.items() if factor else ():
-                    rows[one.row][j] = rows[one.row].get(j, Fraction(0)) - factor * value
+            for delayed_row in self.delayed:
+                factor = delayed_row.coefficient(k)
+                for j, value in delayed_row.sensed.items() if factor else ():
+                    rows[delayed_row.row][j] = rows[delayed_row.row].get(j, Fraction(0)) - factor * value
             self._powers[k] = [{j: value for j, value in row.items() if value} for row in rows]
         return self._powers[k]
 
     def coefficient_times(self, k: int, vector: ExactVector) -> dict[int, Fraction]:
         """Coefficient matrix of s^k in the exact P(s) times a vector, as a map from row to rational."""
-        found = {}
+        product = {}
         for i, row in enumerate(self.coefficient_rows(k)):
             shorter, longer = (row, vector) if len(row) < len(vector) else (vector, row)
             total = sum((value * longer[j] for j, value in shorter.items() if j in longer), start=Fraction(0))
             if total:
-                found[i] = total
-        return found
+                product[i] = total
+        return product
 
     def counts(self, most: int) -> tuple[int, int]:
         """Number of poles of a controlled drivetrain, and of these at zero up to ``most``, with multiplicity.
@@ -141,16 +141,16 @@ class ExactPencil:
         entries = {place: list(values) for place, values in self.undelayed.items()}
         # Bound of the degree of det P: 2 for every coordinate, that of N or E for every action.
         degree = 2 * self.size
-        for one in self.delayed:
+        for delayed in self.delayed:
             # Of a delay only the terms count that can reach a root at zero of the multiplicity asked for.
-            highest = len(one.numerator) - 1 + (most if one.delay else 0)
-            series = [one.coefficient(power) for power in range(highest + 1)]
-            for j, value in one.sensed.items():
-                held = entries.setdefault((one.row, j), [])
+            highest = len(delayed.numerator) - 1 + (most if delayed.delay else 0)
+            series = [delayed.coefficient(power) for power in range(highest + 1)]
+            for j, value in delayed.sensed.items():
+                held = entries.setdefault((delayed.row, j), [])
                 held += [Fraction(0)] * (len(series) - len(held))
                 for power, factor in enumerate(series):
                     held[power] -= factor * value
-            degree += max(highest, len(entries[one.row, one.row]) - 1) - 2
+            degree += max(highest, len(entries[delayed.row, delayed.row]) - 1) - 2
         order, _ = minimum_degree_order(self.size, entries)
         residues = {place: [residue(value, prime) for value in values] for place, values in entries.items()}
 
@@ -202,7 +202,7 @@ def zero_chains(pencil: ExactPencil, weights: Sequence[float]) -> dict[int, Zero
     """
     chains: dict[int, ZeroChain] = {}
     # det P has no more roots at zero than its degree, unless it vanishes.
-    most = sum(len(one.numerator) for one in pencil.delayed) + sum(
+    most = sum(len(delayed.numerator) for delayed in pencil.delayed) + sum(
         max((len(values) for (row, _), values in pencil.undelayed.items() if row == i), default=0)
         for i in range(pencil.size)
     )
@@ -210,7 +210,7 @@ def zero_chains(pencil: ExactPencil, weights: Sequence[float]) -> dict[int, Zero
         vectors = null_vectors(rows)
         if not vectors:
             break
-        if sum(one.order for one in chains.values()) > most:
+        if sum(known.order for known in chains.values()) > most:
             text = "the torques of controllers cancel the dynamic stiffness: no motion balances a load"
             raise SolveError(f"{text}; change a control law", kind="no-solution")
         column, chain = _next_chain(vectors[0], chains, weights)
@@ -233,12 +233,12 @@ def null_vectors(rows: Sequence[ExactVector]) -> list[dict[int, Fraction]]:
     """Vectors (column -> rational) that span the null space of a square matrix of rationals, exactly."""
     size = len(rows)
     solved = reduce_rows([row for row in rows if row], {i: i for i in range(size)}).solved
-    found = {column: {column: Fraction(1)} for column in range(size) if column not in solved}
-    if found:
+    vectors = {column: {column: Fraction(1)} for column in range(size) if column not in solved}
+    if vectors:
         for name, row in solved.items():
             for column, value in row.items():
-                found[column][name] = value
-    return list(found.values())
+                vectors[column][name] = value
+    return list(vectors.values())
 
 
 def _next_chain(
@@ -357,25 +357,25 @@ class DeflatedColumn:
 
     def at(self, s: complex) -> ComplexArray:
         """Entries (n,) of the column at s in rad/s, without loss factors."""
-        found = np.asarray(polynomial(list(self.undelayed), s), dtype=complex)
-        for one in self.delayed:
-            found[one.row] += one.at(s)
-        return found
+        column = np.asarray(polynomial(list(self.undelayed), s), dtype=complex)
+        for delayed in self.delayed:
+            column[delayed.row] += delayed.at(s)
+        return column
 
     def derivative(self, s: complex) -> ComplexArray:
         """Derivatives (n,) of the column's entries by s, at s in rad/s."""
-        found = np.asarray(polynomial([m * row for m, row in enumerate(self.undelayed)][1:], s), dtype=complex)
-        found = found + np.zeros(self.undelayed.shape[1])
-        for one in self.delayed:
-            found[one.row] += one.derivative(s)
-        return found
+        column = np.asarray(polynomial([m * row for m, row in enumerate(self.undelayed)][1:], s), dtype=complex)
+        column = column + np.zeros(self.undelayed.shape[1])
+        for delayed in self.delayed:
+            column[delayed.row] += delayed.derivative(s)
+        return column
 
     def size(self, s: complex) -> FloatArray:
         """Sums (n,) of the magnitudes of the terms in the column's entries at s, to judge rounding by."""
-        found = np.asarray(polynomial(list(np.abs(self.undelayed)), abs(s)), dtype=float)
-        for one in self.delayed:
-            found[one.row] += one.size(s)
-        return found
+        sizes = np.asarray(polynomial(list(np.abs(self.undelayed)), abs(s)), dtype=float)
+        for delayed in self.delayed:
+            sizes[delayed.row] += delayed.size(s)
+        return sizes
 
     def strain(self, s: complex) -> ComplexArray:
         """Twists (n_laws,) of the laws in x(s)/s^k, which loss factors resist. They may hold negative powers of s."""
@@ -412,15 +412,15 @@ def _column(assembly: Assembly, exact: ExactPencil, place: int, chain: ZeroChain
                     sums[power + m - k, i] += value * vector[j]
     for (power, i), total in sums.items():
         undelayed[power, i] = float(total)
-    delayed = tuple(_delayed(one, chain) for one in exact.delayed)
-    return DeflatedColumn(place, chain, motion, undelayed, tuple(one for one in delayed if one.terms), strains)
+    delayed = tuple(_delayed(row_of_action, chain) for row_of_action in exact.delayed)
+    return DeflatedColumn(place, chain, motion, undelayed, tuple(part for part in delayed if part.terms), strains)
 
 
-def _delayed(one: DelayedRow, chain: ZeroChain) -> DelayedSum:
+def _delayed(delayed: DelayedRow, chain: ZeroChain) -> DelayedSum:
     factors: defaultdict[int, Fraction] = defaultdict(Fraction)
     for m, vector in enumerate(chain.motion):
-        sensed = sum(value * vector[j] for j, value in one.sensed.items() if j in vector)
-        for power, value in enumerate(one.numerator) if sensed else ():
+        sensed = sum(value * vector[j] for j, value in delayed.sensed.items() if j in vector)
+        for power, value in enumerate(delayed.numerator) if sensed else ():
             factors[power + m - chain.order] += value * sensed
     kept = tuple((power, float(value)) for power, value in factors.items() if value)
-    return DelayedSum(one.row, kept, float(one.delay))
+    return DelayedSum(delayed.row, kept, float(delayed.delay))

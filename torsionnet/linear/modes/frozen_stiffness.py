@@ -84,9 +84,9 @@ def modes(system: RowSystem, *, undamped: bool = False) -> tuple[FloatArray, Eig
     kept, real = one_per_pair(rest.spectrum)
     still = [] if undamped else [rest.mode(int(j)) for j in kept[real]]
     still = [replace(mode, value=complex(mode.value.real)) for mode in still]
-    found = search.all()
-    more = len(found) - len(problem.frequencies(search.points[0]))
-    return rest.rigid, Eigenpairs.of_modes([*found, *still], system.n_coordinates), more
+    vibrations = search.all()
+    more = len(vibrations) - len(problem.frequencies(search.points[0]))
+    return rest.rigid, Eigenpairs.of_modes([*vibrations, *still], system.n_coordinates), more
 
 
 @dataclass(frozen=True)
@@ -103,9 +103,9 @@ class FrozenSpectrum:
 
     def over_all(self, shapes: Any) -> Any:
         """Shapes (n_q, n) over all coordinates, of which those that nothing holds stand still."""
-        found = np.zeros((self.n_coordinates, shapes.shape[1]), dtype=shapes.dtype)
-        found[list(self.kept)] = shapes
-        return found
+        whole = np.zeros((self.n_coordinates, shapes.shape[1]), dtype=shapes.dtype)
+        whole[list(self.kept)] = shapes
+        return whole
 
     @property
     def rigid(self) -> FloatArray:
@@ -299,7 +299,7 @@ class FixedPoints:
         step = math.log(other / end) * SLOPE_SHARE
         ends = zip(self.problem.coefficients(end), self.problem.coefficients(end * math.exp(step)), strict=True)
         with np.errstate(divide="ignore", invalid="ignore"):
-            rises = [np.where(one == next_, 0.0, np.abs(np.log(np.abs(next_ / one)))) for one, next_ in ends]
+            rises = [np.where(here == there, 0.0, np.abs(np.log(np.abs(there / here)))) for here, there in ends]
         stiffness, damping = (float(rise.max(initial=0.0)) / abs(step) for rise in rises)
         return stiffness, damping
 
@@ -358,16 +358,16 @@ class FixedPoints:
             return
         # N falls by one at each fixed point, and rises by one at the few where tables are steeper than omega.
         counted = problem.number_above(low) - problem.number_above(high)
-        found: list[Mode] = []
+        met: list[Mode] = []
         missing = 0
         # Starts from the vibrations in the range at both ends, then from those beside it.
         for end, beside in ((low, 0), (high, 0), (low, 1), (high, 1)):
-            found += self._polished(end, low, high, max(missing, 0) * beside)
-            values, shapes = np.array([mode.value for mode in found]), np.array([mode.shape for mode in found]).T
-            found = [found[number] for number in distinct(values, shapes)]
-            falling = self._falling(found)
+            met += self._polished(end, low, high, max(missing, 0) * beside)
+            values, shapes = np.array([mode.value for mode in met]), np.array([mode.shape for mode in met]).T
+            met = [met[number] for number in distinct(values, shapes)]
+            falling = self._falling(met)
             # counted = falling - rising, and those found that do not fall rise.
-            missing = counted + len(found) - 2 * len(falling)
+            missing = counted + len(met) - 2 * len(falling)
             if not missing:
                 yield from falling
                 return
@@ -441,5 +441,5 @@ class FixedPoints:
             for j in frozen.candidates
         )
         place = near[0][1]
-        for off, _, j in [one for one in near if one[1] == place][:count]:
+        for off, _, j in [candidate for candidate in near if candidate[1] == place][:count]:
             yield ends[place][1].mode(j, off / high, converged=off <= SETTLED * high)

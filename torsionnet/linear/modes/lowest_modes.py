@@ -91,7 +91,7 @@ def lowest_vibrations(system: RowSystem, motions: RigidMotions, count: int, *, u
         return None
     try:
         with np.errstate(all="ignore"):
-            found = _search(system, motions, count, undamped=undamped)
+            pairs = _search(system, motions, count, undamped=undamped)
     except (NotFoundError, ArpackError, np.linalg.LinAlgError, RuntimeError) as error:  # the last: singular in SuperLU
         if system.n_coordinates <= LARGEST_DENSE:
             return None
@@ -101,7 +101,7 @@ def lowest_vibrations(system: RowSystem, motions: RigidMotions, count: int, *, u
             "modes, which takes long",
             kind="no-solution",
         ) from error
-    return found if system.n_coordinates > LARGEST_DENSE or np.all(found.errors[:count] <= SPARSE_TOLERANCE) else None
+    return pairs if system.n_coordinates > LARGEST_DENSE or np.all(pairs.errors[:count] <= SPARSE_TOLERANCE) else None
 
 
 def _search(system: RowSystem, motions: RigidMotions, count: int, *, undamped: bool) -> Eigenpairs:
@@ -137,7 +137,7 @@ def _starts(
         slowest = _slowest_undamped(system, motions)
         pencil = Pencil.of(system, undamped=undamped, at=slowest, sparse=True)
         return pencil, [(_undamped if undamped else _damped)(pencil, motions, count, slowest)]
-    found: list[tuple[AnyArray, AnyArray]] = []
+    starts: list[tuple[AnyArray, AnyArray]] = []
     omega = 0.0
     for _ in range(2):
         frozen = system.at_frequency(omega)
@@ -146,10 +146,10 @@ def _starts(
         pencil, parts = _starts(frozen, own, count + min(len(system.dynamic), count), undamped=undamped)
         values, shapes = parts[0]
         kept = values.imag > 0 if omega and not undamped else values != 0  # real poles are those at rest
-        found.append((values[kept], pencil.scale[:, None] * shapes[:, kept]))
+        starts.append((values[kept], pencil.scale[:, None] * shapes[:, kept]))
         omega = float(np.sort(np.sqrt(np.abs(values)) if undamped else np.abs(values))[count - 1])
     whole = Pencil.of(system, undamped=undamped, at=omega, sparse=True)
-    return whole, [(values, shapes / whole.scale[:, None]) for values, shapes in found]
+    return whole, [(values, shapes / whole.scale[:, None]) for values, shapes in starts]
 
 
 def _eigenpairs(values: ComplexArray, shapes: AnyArray, errors: FloatArray) -> Eigenpairs:
@@ -185,9 +185,9 @@ def _slowest(pencil: Pencil, rigid: FloatArray) -> float:
     square *= float(pencil.gram(pencil.stiffness).diagonal().sum() / pencil.M.diagonal().sum())
     for _ in range(_SHIFT_ROUNDS):
         problem = _Symmetric(pencil, rigid, square)
-        found = problem.squares(problem.run(1, tolerance=1e-3)[0])[0]
-        is_close = square / 100 <= found <= square * 1e4
-        square = max(found, square * 1e-5)
+        lowest = problem.squares(problem.run(1, tolerance=1e-3)[0])[0]
+        is_close = square / 100 <= lowest <= square * 1e4
+        square = max(lowest, square * 1e-5)
         if is_close:
             return float(np.sqrt(square))
     raise NotFoundError

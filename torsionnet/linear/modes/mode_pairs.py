@@ -112,16 +112,16 @@ def vibration_modes(drivetrain: AssembledModel, modes: Modes) -> tuple[Vibration
     partners = _in_order(dict(_assigned(similarities)), rates)
     behind = itertools.count(len(vibrating) + 1)
     at_nodes = unit_shapes(np.asarray(assembly.node_rows.dense @ shapes)).astype(complex)
-    found: list[VibrationMode] = []
+    vibrations: list[VibrationMode] = []
     for number, rate in enumerate(rates):
         damped = None if number not in partners else vibrating[partners[number]]
         similarity = math.nan if damped is None else float(similarities[number, partners[number]])
         place = next(behind) if damped is None else partners[number] + 1
-        found.append(_mode(place, rate / (2 * np.pi), modes, damped, similarity, at_nodes[:, number]))
+        vibrations.append(_mode(place, rate / (2 * np.pi), modes, damped, similarity, at_nodes[:, number]))
     for place, damped in enumerate(vibrating):
         if place not in partners.values():
-            found.append(_mode(place + 1, math.nan, modes, damped, math.nan, modes.shapes[:, damped]))
-    return tuple(found)
+            vibrations.append(_mode(place + 1, math.nan, modes, damped, math.nan, modes.shapes[:, damped]))
+    return tuple(vibrations)
 
 
 def undamped_place(drivetrain: AssembledModel, number: int) -> tuple[int, VibrationMode]:
@@ -132,8 +132,8 @@ def undamped_place(drivetrain: AssembledModel, number: int) -> tuple[int, Vibrat
     UsageError
         There is no such mode, or the mode exists with damping only.
     """
-    found = vibration_modes(drivetrain, damped_modes(drivetrain))
-    for place, mode in enumerate(found):
+    modes = vibration_modes(drivetrain, damped_modes(drivetrain))
+    for place, mode in enumerate(modes):
         if mode.number == number:
             if math.isnan(mode.undamped_frequency):
                 raise UsageError(
@@ -141,7 +141,7 @@ def undamped_place(drivetrain: AssembledModel, number: int) -> tuple[int, Vibrat
                     kind="unknown-mode",
                 )
             return place, mode
-    known = f"there are {len(found)}, counted from 1 without rigid bodies" if found else "nothing vibrates here"
+    known = f"there are {len(modes)}, counted from 1 without rigid bodies" if modes else "nothing vibrates here"
     raise UsageError(f"there is no mode {number}; {known}", kind="unknown-mode")
 
 
@@ -150,11 +150,11 @@ def _in_order(partners: Mapping[int, int], rates: FloatArray) -> dict[int, int]:
 
     Among undamped modes of one frequency partners are sorted.
     """
-    found: dict[int, int] = {}
+    in_order: dict[int, int] = {}
     for group in _groups(rates):
         paired = [place for place in group if place in partners]
-        found |= dict(zip(paired, sorted(partners[place] for place in paired), strict=True))
-    return found
+        in_order |= dict(zip(paired, sorted(partners[place] for place in paired), strict=True))
+    return in_order
 
 
 def _mode(
@@ -173,7 +173,7 @@ def _mode(
 
 def _similarity(system: RowSystem, rates: FloatArray, shapes: FloatArray, damped: ComplexArray) -> FloatArray:
     """Share (n_undamped, n_damped) of each damped mode's strain energy that lies in each undamped mode's shape."""
-    found = np.zeros((len(rates), damped.shape[1]))
+    similarity = np.zeros((len(rates), damped.shape[1]))
     rows = system.rows
     for group in _groups(rates):
         # Laws over frequency count with the strain energy that they have at this frequency.
@@ -185,8 +185,8 @@ def _similarity(system: RowSystem, rates: FloatArray, shapes: FloatArray, damped
         basis, strain = np.linalg.qr(weight * (rows @ shapes[:, group]))[0], weight * (rows @ damped)
         sizes = np.sum(np.abs(strain) ** 2, axis=0)
         common = np.sum(np.abs(basis.T @ strain) ** 2, axis=0)
-        found[group] = np.divide(common, sizes, out=np.zeros_like(sizes), where=sizes > 0)
-    return found
+        similarity[group] = np.divide(common, sizes, out=np.zeros_like(sizes), where=sizes > 0)
+    return similarity
 
 
 def _groups(rates: FloatArray) -> Iterator[list[int]]:
@@ -247,10 +247,10 @@ def referred_shapes(drivetrain: AssembledModel, modes: Modes, referred_to: str) 
         )
     value = Values(drivetrain.exact_values)
     paths = SpeedPaths(tuple(drivetrain.elements.values()), value)
-    found = {node: paths.between(node, referred_to) for node in modes.nodes}
+    paths_to = {node: paths.between(node, referred_to) for node in modes.nodes}
     # An angle on another shaft is the angle times the ratio of speeds.
-    factors = np.array([1.0 if path is None else float(path.ratio(value)) for path in found.values()])
-    own = [node for node, path in found.items() if path is None]
+    factors = np.array([1.0 if path is None else float(path.ratio(value)) for path in paths_to.values()])
+    own = [node for node, path in paths_to.items() if path is None]
     notes = (f"angles referred to {referred_to}", *([f"no ratio leads there from {', '.join(own)}"] if own else []))
     return replace(
         modes,

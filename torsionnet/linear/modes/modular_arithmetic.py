@@ -119,7 +119,7 @@ def square_free(polynomial: Coefficients, prime: int) -> dict[int, Coefficients]
 
     The square-free factorisation is that of D. Y. Y. Yun, 1976.
     """
-    found: dict[int, Coefficients] = {}
+    by_multiplicity: dict[int, Coefficients] = {}
     slope = _derivative(polynomial, prime)
     # Yun: gcd(p, p') has every root once less; p and p' without it part the multiplicities one by one.
     common = _greatest_divisor(polynomial, slope, prime)
@@ -129,10 +129,10 @@ def square_free(polynomial: Coefficients, prime: int) -> dict[int, Coefficients]
         other = _difference(other, _derivative(rest, prime), prime)
         factor = _greatest_divisor(rest, other, prime)
         if len(factor) > 1:
-            found[multiplicity] = factor
+            by_multiplicity[multiplicity] = factor
         rest, other = _divided(rest, factor, prime)[0], _divided(other, factor, prime)[0]
         multiplicity += 1
-    return found
+    return by_multiplicity
 
 
 def _trimmed(values: Coefficients) -> Coefficients:

@@ -92,16 +92,19 @@ def elements_beyond_cut(drivetrain: AssembledModel, request: TransferRequest) ->
     from torsionnet.model.readings import port_of
 
     node, _ = port_of(drivetrain.elements[sensor.of], sensor.at)
-    ends = {name: {*one.ports.values(), *one.internal_nodes} - {GROUND} for name, one in drivetrain.elements.items()}
+    ends = {
+        name: {*element.ports.values(), *element.internal_nodes} - {GROUND}
+        for name, element in drivetrain.elements.items()
+    }
     # The cut lies between the element and its node at the port.
     ends[sensor.of].discard(node)
     parts = Groups(drivetrain.nodes)
-    tied = [set(one.nodes) for one in drivetrain.inputs.values() if one.quantity == "angle"]
+    tied = [set(channel.nodes) for channel in drivetrain.inputs.values() if channel.quantity == "angle"]
     for joined in (*ends.values(), *(nodes for nodes in tied if nodes.issubset(drivetrain.nodes))):
         if joined:
             parts.join(*joined)
     sides = [set(parts.of(node)), {other for end in ends[sensor.of] for other in parts.of(end)}]
-    is_driven = [any(not side.isdisjoint(one.nodes) for one in request.excitations) for side in sides]
+    is_driven = [any(not side.isdisjoint(channel.nodes) for channel in request.excitations) for side in sides]
     if sum(is_driven) != 1:
         return None
     at_node, with_element = sides
@@ -211,12 +214,12 @@ def modes(
         from torsionnet.linear.dynamic_stiffness.transfer_request import resolve_inputs
 
         request = resolve_inputs(drivetrain, measured_input, driven_by)
-    found = modes_against(drivetrain, request, lowest, up_to)
+    solved = modes_against(drivetrain, request, lowest, up_to)
     if not drivetrain.definition.following and drivetrain.definition.tangents is None:
-        return found
+        return solved
     from torsionnet.model.operating_values import operating_speed_notes
 
-    return replace(found, notes=(*found.notes, *operating_speed_notes(drivetrain.external_torques)))
+    return replace(solved, notes=(*solved.notes, *operating_speed_notes(drivetrain.external_torques)))
 
 
 def modes_against(
@@ -228,16 +231,18 @@ def modes_against(
         few = "the lowest N take seconds (lowest=N; modes --lowest N)"
         warn_user(f"all modes of {size} coordinates take a minute or more; {few}")
     if request is None:
-        found, texts = natural_modes(drivetrain, lowest, up_to)
+        solved, texts = natural_modes(drivetrain, lowest, up_to)
     else:
-        found, texts = poles_against_measured(drivetrain, request, partial(natural_modes, lowest=lowest, up_to=up_to))
+        solved, texts = poles_against_measured(drivetrain, request, partial(natural_modes, lowest=lowest, up_to=up_to))
     for text in texts:
         warn_user(text)
     if drivetrain.assembly.system.is_continuous and lowest is None and up_to is None:
-        found = replace(found, notes=(*found.notes, f"{CONTINUOUS} {len(found)} are given; more with lowest or up_to"))
+        solved = replace(
+            solved, notes=(*solved.notes, f"{CONTINUOUS} {len(solved)} are given; more with lowest or up_to")
+        )
     if up_to is not None:
-        found = found.first(int(np.sum(found.natural_frequencies <= up_to)))
-    return found.first(lowest)
+        solved = solved.first(int(np.sum(solved.natural_frequencies <= up_to)))
+    return solved.first(lowest)
 
 
 def natural_modes(
@@ -334,8 +339,8 @@ def energies(
     rate = np.abs(solution.eigenvalues)
     inertia, stiffness, loss = (np.zeros((len(motion), len(rate))) for _ in range(3))
     for law, table in system.dynamic:
-        found = [table.energy(value) for value in solution.eigenvalues.tolist()]
-        inertia[law], stiffness[law], loss[law] = np.array(found).reshape(-1, 3).T
+        parts = [table.energy(value) for value in solution.eigenvalues.tolist()]
+        inertia[law], stiffness[law], loss[law] = np.array(parts).reshape(-1, 3).T
     kinetic = (system.inertia[:, None] + inertia) * motion
     strain = (system.stiffness[:, None] + stiffness) * motion
     dissipated = (system.damping[:, None] * rate + loss) * rate * motion

@@ -179,7 +179,7 @@ class Pencil:
 
     def solve(self, z: AnyArray, right: Sequence[AnyArray]) -> list[AnyArray]:
         """Solution (n_q, n) of D x = right at every z, as close to it as D(z) is not singular."""
-        found: list[Any] = [None] * len(z)
+        solutions: list[Any] = [None] * len(z)
         left = list(range(len(z)))
         for step in _BESIDE:
             again = []
@@ -187,12 +187,12 @@ class Pencil:
             for place, matrix in zip(left, self.grams(self.laws(near)), strict=True):
                 try:
                     load = right[place]
-                    found[place] = _factors(matrix).solve(load) if self.is_sparse else np.linalg.solve(matrix, load)
+                    solutions[place] = _factors(matrix).solve(load) if self.is_sparse else np.linalg.solve(matrix, load)
                 except (RuntimeError, np.linalg.LinAlgError):  # exactly singular
                     again.append(place)
             left = again
             if not left:
-                return found
+                return solutions
         raise NotFoundError
 
     def values(self, shapes: AnyArray, near: AnyArray) -> AnyArray:
@@ -234,8 +234,8 @@ class Pencil:
         # m z^2 + c z + k = 0: the root without cancellation, and the other from the product k / m.
         root = np.sqrt(np.maximum(c * c - 4 * m * k, 0.0) if np.isrealobj(k) else c * c - 4 * m * k)
         w = np.where(np.abs(c + root) >= np.abs(c - root), -c - root, -c + root)
-        one, other = (np.where(below != 0, above / below, np.inf) for above, below in ((w, 2 * m), (2 * k, w)))
-        return np.where(np.abs(one - near) <= np.abs(other - near), one, other)
+        first, second = (np.where(below != 0, above / below, np.inf) for above, below in ((w, 2 * m), (2 * k, w)))
+        return np.where(np.abs(first - near) <= np.abs(second - near), first, second)
 
     def pulls(self, shapes: AnyArray, z: AnyArray) -> FloatArray:
         """Changes (n,) of eigenvalues' frequencies with the frequency at which tables are read, dimensionless.
@@ -354,14 +354,14 @@ def _residual(pencil: Pencil, values: AnyArray, shapes: AnyArray) -> FloatArray:
 
 def distinct(values: AnyArray, shapes: AnyArray) -> list[int]:
     """Numbers of the modes of which no two have the same eigenvalue and the same shape."""
-    found: list[int] = []
+    kept: list[int] = []
     for number, value in enumerate(values):
-        same = [one for one in found if abs(values[one] - value) <= ONE_EIGENVALUE * abs(value)]
+        same = [known for known in kept if abs(values[known] - value) <= ONE_EIGENVALUE * abs(value)]
         some = shapes[:, [*same, number]]
         sizes = np.linalg.svd(some / np.linalg.norm(some, axis=0), compute_uv=False) if same else np.ones(1)
         if sizes[-1] > LEAST_INDEPENDENCE * sizes[0]:
-            found.append(number)
-    return found
+            kept.append(number)
+    return kept
 
 
 def refined(pencil: Pencil, values: Any, shapes: Any, errors: FloatArray) -> tuple[Any, Any, FloatArray]:

@@ -28,11 +28,11 @@ def unstable_modes(drivetrain: AssembledModel) -> tuple[Fault, ...]:
     >>> print(unstable_modes(rig)[0].message)  # doctest: +ELLIPSIS
     push makes the mode at 1.592 Hz unstable, it grows: damping ratio -10 %; ...; lower its gain or its delay; ...
     """
-    feeding = [one.name for one in drivetrain.elements.values() if one.may_feed]
+    feeding = [element.name for element in drivetrain.elements.values() if element.may_feed]
     if not feeding:
         return ()
     try:
-        found, texts = natural_modes(drivetrain)
+        modes, texts = natural_modes(drivetrain)
     except (UsageError, SolveError) as error:
         said = "whether {} leaves the drivetrain stable is not known: {}"
         text = phrase(said, named_list(feeding), message_of(error))
@@ -40,8 +40,8 @@ def unstable_modes(drivetrain: AssembledModel) -> tuple[Fault, ...]:
     warned = tuple(
         Fault(text, ("elements", feeding[0]), "warning", on_key=True, kind="unstable-drivetrain") for text in texts
     )
-    growing = np.flatnonzero(found.eigenvalues.real > 0)
-    return (*(_growing(drivetrain, found, int(mode), feeding) for mode in growing), *warned)
+    growing = np.flatnonzero(modes.eigenvalues.real > 0)
+    return (*(_growing(drivetrain, modes, int(mode), feeding) for mode in growing), *warned)
 
 
 def _growing(drivetrain: AssembledModel, modes: Modes, mode: int, feeding: list[str]) -> Fault:

@@ -36,18 +36,18 @@ def by_spectrum(
     size = int(scipy.fft.next_fast_len(2 * count, real=True))
     frequencies: FloatArray = np.asarray(np.fft.rfftfreq(size, 1 / sampling_rate), dtype=np.float64)
     courses = {way: Folding(BetweenSamples(way, sampling_rate), frequencies) for way in between}
-    asked = next((one.frequencies for way, one in courses.items() if way != "band_limited"), frequencies)
-    found = responses([drivetrain], request, asked, "graph").values[0]
-    if not np.isfinite(found).all():
+    asked = next((course.frequencies for way, course in courses.items() if way != "band_limited"), frequencies)
+    H_asked = responses([drivetrain], request, asked, "graph").values[0]
+    if not np.isfinite(H_asked).all():
         raise UsageError(
             f"{drivetrain.title} has frequency-dependent laws and no finite static response: lock it to simulate it",
             kind="unsupported-law",
         )
-    H = np.array(found[: len(frequencies)])
+    H = np.array(H_asked[: len(frequencies)])
     # Not band-limited, a course between samples has parts beyond half the rate, which samples fold back.
     for number, way in enumerate(between):
         if way != "band_limited":
-            H[:, :, number] = courses[way].folded(found[:, :, number])
+            H[:, :, number] = courses[way].folded(H_asked[:, :, number])
     spectra = np.fft.rfft(torques, size, axis=1)
     # At 0 Hz the real part alone makes a real motion.
     H[0] = H[0].real

@@ -68,14 +68,14 @@ class Adaptive:
         """Frequencies (n,) in Hz, rising, that resolve the peaks of these modes."""
         spaced = np.geomspace if 0 < 10 * self.start <= self.stop else np.linspace
         phase = np.radians(np.linspace(-PEAK_PHASE_RANGE, PEAK_PHASE_RANGE, self.per_peak))
-        found = [np.asarray(spaced(self.start, self.stop, self.points))]
+        frequencies = [np.asarray(spaced(self.start, self.stop, self.points))]
         for mode in modes:
             eigenvalues = mode.eigenvalues[mode.eigenvalues.imag > 0]
             # f = f_d + zeta f_0 tan(phi), with zeta f_0 = -Re lambda / 2 pi
             peak = eigenvalues.imag / (2 * np.pi)
             width = np.maximum(-eigenvalues.real / (2 * np.pi), UNDAMPED_HALF_WIDTH * peak)
-            found.append((peak[:, None] + width[:, None] * np.tan(phase)).ravel())
-        f = np.unique(np.concatenate(found))
+            frequencies.append((peak[:, None] + width[:, None] * np.tan(phase)).ravel())
+        f = np.unique(np.concatenate(frequencies))
         # Two systems may have a mode in common but for rounding: points that close would show noise as peaks.
         apart = np.append(True, np.diff(f) > EQUAL_FREQUENCY_DISTANCE * f[1:])
         return np.asarray(f[apart & (f >= self.start) & (f <= self.stop)])
@@ -90,10 +90,12 @@ def vibration_range(*modes: Modes) -> tuple[float, float]:
     >>> vibration_range(tn.load("dmf_rig").modes())
     (0.5, 200.0)
     """
-    found = [value for mode in modes for value in mode.damped_frequencies if value > 0]
-    if not found:
+    vibrations = [value for mode in modes for value in mode.damped_frequencies if value > 0]
+    if not vibrations:
         return RANGE_WITHOUT_MODES
-    return rounded(float(min(found)) / RANGE_BELOW, up=False), rounded(float(max(found)) * RANGE_ABOVE, up=True)
+    return rounded(float(min(vibrations)) / RANGE_BELOW, up=False), rounded(
+        float(max(vibrations)) * RANGE_ABOVE, up=True
+    )
 
 
 def opening_range(*modes: Modes) -> tuple[float, float]:
@@ -105,10 +107,10 @@ def opening_range(*modes: Modes) -> tuple[float, float]:
     >>> opening_range(tn.load("six_cylinder_diesel").modes())
     (50.0, 5000.0)
     """
-    found = [sorted(float(value) for value in mode.damped_frequencies if value > 0)[:FIRST_SEEN] for mode in modes]
-    if not any(found):
+    vibrations = [sorted(float(value) for value in mode.damped_frequencies if value > 0)[:FIRST_SEEN] for mode in modes]
+    if not any(vibrations):
         return RANGE_WITHOUT_MODES
-    low, high = min(few[0] for few in found if few), max(few[-1] for few in found if few)
+    low, high = min(few[0] for few in vibrations if few), max(few[-1] for few in vibrations if few)
     return rounded(low / MARGIN_BELOW, up=False), rounded(high * MARGIN_ABOVE, up=True)
 
 
@@ -175,7 +177,7 @@ def _standing_out(values: FloatArray) -> list[int]:
     >>> _standing_out(np.array([1.0, 1 + 2e-16, 1.0, 1 + 4e-16, 1.0, 2.0, 1.5]))
     [5]
     """
-    found = []
+    prominent = []
     for index in inner_maxima(values):
         # On both sides the lowest value before the curve is higher than here: the peak rises above both.
         valleys = []
@@ -183,8 +185,8 @@ def _standing_out(values: FloatArray) -> list[int]:
             higher = np.flatnonzero(side > values[index])
             valleys.append(side[: higher[0] if len(higher) else None].min())
         if max(valleys) < (1 - PEAK_PROMINENCE) * values[index]:
-            found.append(index)
-    return found
+            prominent.append(index)
+    return prominent
 
 
 def static_value(solve: Solver, output: int, input: int) -> complex:

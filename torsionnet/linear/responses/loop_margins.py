@@ -135,7 +135,7 @@ def loop_margins(drivetrain: AssembledModel, controller: str | None = None) -> L
     """
     actions = drivetrain.assembly.system.actions
     name = _chosen(drivetrain, controller, actions)
-    place = [one.owner for one in actions].index(name)
+    place = [action.owner for action in actions].index(name)
     modes, _ = natural_modes(drivetrain)
     frequencies = _frequencies(modes.undamped_natural_frequencies, np.abs(modes.eigenvalues) / (2 * np.pi), actions)
 
@@ -157,7 +157,7 @@ def loop_margins(drivetrain: AssembledModel, controller: str | None = None) -> L
 
 
 def _chosen(drivetrain: AssembledModel, name: str | None, actions: tuple[ActionLaw, ...]) -> str:
-    known = list(dict.fromkeys(one.owner for one in actions))
+    known = list(dict.fromkeys(action.owner for action in actions))
     if not known:
         raise UsageError(
             "stability margins need a controller, fluid coupling or other feedback; this drivetrain has none",
@@ -172,7 +172,7 @@ def _chosen(drivetrain: AssembledModel, name: str | None, actions: tuple[ActionL
         raise UsageError(
             f'"{name}" {there}{did_you_mean(name, known)}; known: {", ".join(known)}', kind="unknown-element"
         )
-    if sum(one.owner == name for one in actions) > 1:
+    if sum(action.owner == name for action in actions) > 1:
         raise UsageError(
             f"{name} acts at several places at once, so its loop cannot be opened at one; choose another controller",
             kind="unsupported-law",
@@ -189,7 +189,7 @@ def open_loop(drivetrain: AssembledModel, place: int, frequencies: FloatArray) -
     reading_problem = make_reading_problem(assembly, (), (), ())
     kappa = law_stiffness([assembly.system], 2 * np.pi * frequencies)
     values = respond(reading_problem.problem, kappa)
-    gains = np.array([one.ravel() for one in kappa.actions])
+    gains = np.array([gain.ravel() for gain in kappa.actions])
     with np.errstate(all="ignore"):
         # Torque of every action per unit torque of every other, with all loops open.
         by_torque = np.moveaxis(gains[:, None, :] * values[list(reading_problem.sensed)], 2, 0)
@@ -206,10 +206,10 @@ def open_loop(drivetrain: AssembledModel, place: int, frequencies: FloatArray) -
 def _frequencies(undamped: FloatArray, damped: FloatArray, actions: tuple[ActionLaw, ...]) -> FloatArray:
     """Frequencies (n,) in Hz for an open loop, dense around every resonance with and without loops closed."""
     marks = [float(f) for f in (*undamped, *damped) if f > 0]
-    for one in actions:
-        roots = np.roots([float(value) for value in reversed(one.denominator)])
+    for action in actions:
+        roots = np.roots([float(value) for value in reversed(action.denominator)])
         marks += [float(abs(root)) / (2 * math.pi) for root in roots if root]
-        marks += [1 / (2 * math.pi * float(one.delay))] if one.delay else []
+        marks += [1 / (2 * math.pi * float(action.delay))] if action.delay else []
     marks = marks or [1.0]
     whole = np.geomspace(min(marks) / 1000, max(marks) * 100, GRID_POINTS)
     aside = np.concatenate(

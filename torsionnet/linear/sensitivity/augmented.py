@@ -64,24 +64,24 @@ def parts_at(unknowns: Unknowns, at: Sequence[float]) -> tuple[OwnedPart, ...]:
         return owned_parts(definition, values)
     here = tangents.with_values(dict(zip(unknowns.parameters, at, strict=True)))
     definition = replace(definition, tangents=here)
-    found = owned_parts(definition, values)
-    smooth = tuple(name for name, one in _about_states(definition) if _is_smooth(one, values))
+    parts = owned_parts(definition, values)
+    smooth = tuple(name for name, element in _about_states(definition) if _is_smooth(element, values))
     if not smooth:
-        return found
+        return parts
     slopes = _Slopes(tangents, unknowns, tuple(at), smooth, here.state)
     gradients = np.stack([slopes.along(p) for p in range(len(at))], axis=-1)
     numbers = iter(gradients.tolist())
     return tuple(
-        replace(one, part=_with_gradients(one.part, next(numbers), next(numbers)))
-        if one.element in smooth and isinstance(one.part, Law)
-        else one
-        for one in found
+        replace(owned, part=_with_gradients(owned.part, next(numbers), next(numbers)))
+        if owned.element in smooth and isinstance(owned.part, Law)
+        else owned
+        for owned in parts
     )
 
 
 def _about_states(definition: Definition) -> list[tuple[str, Element]]:
     """Elements, by name, whose laws of motion are linear about states that follow from the operating point."""
-    pairs = ((one.name, one.other_laws) for one in definition.active)
+    pairs = ((element.name, element.other_laws) for element in definition.active)
     return [(name, laws.element) for name, laws in pairs if isinstance(laws, TangentLaws)]
 
 
@@ -145,23 +145,27 @@ class _Slopes:
         moved = self.tangents.with_values(numbers)
         # Of several balances the one nearest to the operating point lies on its branch.
         state = self.state if tuple(at) == self.at else min(moved.states, key=self._distance)
-        values = Values({name: float(one) for name, one in self.unknowns.values(at).items()}, FLOAT)
-        found: list[Any] = []
+        values = Values({name: float(number) for name, number in self.unknowns.values(at).items()}, FLOAT)
+        coefficients: list[Any] = []
         for element in self.unknowns.definition.switched_on:
             if element.name in self.elements:
                 parts = element.tangent_parts(values, state.states[element.name])
-                found += [one for law in parts if isinstance(law, Law) for one in (law.damping, law.stiffness)]
-        return np.array(found, dtype=float)
+                coefficients += [
+                    coefficient for law in parts if isinstance(law, Law) for coefficient in (law.damping, law.stiffness)
+                ]
+        return np.array(coefficients, dtype=float)
 
     def _distance(self, other: BalancedState) -> float:
         """Largest difference of twists and rates of two states, over the largest of both."""
         first, second = _numbers(self.state.states), _numbers(other.states)
-        largest = max((max(abs(one), abs(two)) for one, two in zip(first, second, strict=True)), default=0.0)
-        return max((abs(one - two) for one, two in zip(first, second, strict=True)), default=0.0) / (largest or 1.0)
+        largest = max((max(abs(own), abs(others)) for own, others in zip(first, second, strict=True)), default=0.0)
+        return max((abs(own - others) for own, others in zip(first, second, strict=True)), default=0.0) / (
+            largest or 1.0
+        )
 
 
 def _numbers(states: Mapping[str, Sequence[Any]]) -> list[float]:
-    return [number for some in states.values() for one in some for number in (one.twist, one.rate)]
+    return [number for some in states.values() for state in some for number in (state.twist, state.rate)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -254,7 +258,7 @@ class Augmented:
         """Derivatives (n_coefficients, n_p) of the coefficients of frequency-dependent stiffnesses, by law."""
         count = self.inertia.slopes.shape[1]
         return {
-            law: np.array([gradient_of(one, count) for one in table.coefficients]).reshape(-1, count)
+            law: np.array([gradient_of(coefficient, count) for coefficient in table.coefficients]).reshape(-1, count)
             for law, table in self.tables
         }
 
@@ -265,8 +269,8 @@ class Augmented:
         slopes = None if table is None else table.slopes(s, at)
         for p in np.flatnonzero(np.any([J, c, k, loss, *gradients], axis=0)):
             # At fixed s, d kappa = dk + j d(k eta) + s dc + s^2 dJ; of a table, over its coefficients.
-            found = np.asarray(k[p] + 1j * loss[p] * (at > 0) + s * (c[p] + s * J[p]), dtype=complex)
-            yield int(p), found if slopes is None else found + gradients[:, p] @ slopes
+            slope = np.asarray(k[p] + 1j * loss[p] * (at > 0) + s * (c[p] + s * J[p]), dtype=complex)
+            yield int(p), slope if slopes is None else slope + gradients[:, p] @ slopes
 
 
 def augmented(unknowns: Unknowns, at: Sequence[float], nodes: Sequence[str], redundant: Sequence[int]) -> Augmented:

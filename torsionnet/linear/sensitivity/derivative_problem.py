@@ -189,13 +189,13 @@ class DerivativeProblem:
 
     def _row(self, row: ExactRow, own: Mapping[int, Fraction] | None = None) -> Row:
         """Coefficients by column of the problem of a row over nodes, less ``own`` in the columns of gaps."""
-        found = {self.columns[name]: float(a) for name, a in self.reduction.reduced(row).items()}
+        by_column = {self.columns[name]: float(a) for name, a in self.reduction.reduced(row).items()}
         for number, gap in enumerate(self.gaps):
             opened = sum((a * gap.motion[node] for node, a in row.items() if node in gap.motion), start=Fraction(0))
             opened -= (own or {}).get(number, Fraction(0))
             if opened:
-                found[len(self.columns) + number] = float(opened)
-        return found
+                by_column[len(self.columns) + number] = float(opened)
+        return by_column
 
     def _law_row(self, law: int) -> Row:
         own = {number: gap.own[law] for number, gap in enumerate(self.gaps) if law in gap.own}
@@ -206,7 +206,11 @@ class DerivativeProblem:
 
         For a law it holds the share in its own torque too.
         """
-        own = {one.gap: exact(float(one.slopes.laws[law, p])) for one in self.readings if law >= 0 and one.gap >= 0}
+        own = {
+            output.gap: exact(float(output.slopes.laws[law, p]))
+            for output in self.readings
+            if law >= 0 and output.gap >= 0
+        }
         return self._row({self.nodes[i]: exact(float(slopes[i])) for i in np.flatnonzero(slopes).tolist()}, own)
 
     # --- the problem ------------------------------------------------------------------------------------------------
@@ -227,23 +231,23 @@ class DerivativeProblem:
             for condition in self.multipliers
             for p in np.flatnonzero(system.condition_slopes[condition].any(axis=0))
         }
-        self.motions = [None if one.row is None else outputs.add(self._row(one.row)) for one in self.readings]
+        self.motions = [None if output.row is None else outputs.add(self._row(output.row)) for output in self.readings]
         self.motion_slopes: dict[tuple[int, int], int] = {
-            (number, int(p)): outputs.add(self._slope_row(one.slopes.motion[:, p]))
-            for number, one in enumerate(self.readings)
+            (number, int(p)): outputs.add(self._slope_row(output.slopes.motion[:, p]))
+            for number, output in enumerate(self.readings)
             for p in range(count)
-            if one.slopes.motion[:, p].any()
+            if output.slopes.motion[:, p].any()
         }
         self.first_gap: int = len(outputs.rows)
         # The loads first, then every reading taken for a load, K z = c: that of a torque opens its gap by one.
         excitations = [
             *loads,
             *(
-                Loading(motion={len(self.columns) + one.gap: 1.0})
-                if one.row is None
-                else Loading(load=self._row(one.row))
-                for one in self.readings
-                if one.load >= self.n_loads
+                Loading(motion={len(self.columns) + output.gap: 1.0})
+                if output.row is None
+                else Loading(load=self._row(output.row))
+                for output in self.readings
+                if output.load >= self.n_loads
             ),
         ]
         gaps = tuple(len(self.columns) + number for number in range(len(self.gaps)))
@@ -258,12 +262,12 @@ class DerivativeProblem:
 
     def values(self, solved: ComplexArray, s: ComplexArray) -> ComplexArray:
         """Readings (n_f, n_readings, n_loads) in SI units per unit load, from the solution of the problem."""
-        found = np.empty((len(s), len(self.readings), self.n_loads), dtype=complex)
-        for number, one in enumerate(self.readings):
+        readings = np.empty((len(s), len(self.readings), self.n_loads), dtype=complex)
+        for number, output in enumerate(self.readings):
             motion = self.motions[number]
-            place = self.first_gap + one.gap if motion is None else motion
-            found[:, number] = (s**one.power * solved[place, : self.n_loads]).T
-        return found
+            place = self.first_gap + output.gap if motion is None else motion
+            readings[:, number] = (s**output.power * solved[place, : self.n_loads]).T
+        return readings
 
     def slopes(
         self, solved: ComplexArray, system: Augmented, kappa: ComplexArray, s: ComplexArray, at: FloatArray
@@ -274,26 +278,28 @@ class DerivativeProblem:
         """
         count = system.inertia.slopes.shape[1]
         stiffness = {law: list(system.kappa_slopes(law, s, at)) for law in system.varied}
-        found = np.zeros((len(s), len(self.readings), self.n_loads, count), dtype=complex)
-        for number, one in enumerate(self.readings):
+        derivatives = np.zeros((len(s), len(self.readings), self.n_loads, count), dtype=complex)
+        for number, output in enumerate(self.readings):
             for load in range(self.n_loads):
-                x, z = solved[:, load], solved[:, one.load]
+                x, z = solved[:, load], solved[:, output.load]
                 # -z^T dK x; below, what the change of the reading's own coefficients adds.
-                found[:, number, load] = -self._equation_slopes(stiffness, kappa, x, z, count)
+                derivatives[:, number, load] = -self._equation_slopes(stiffness, kappa, x, z, count)
                 for p in range(count):
                     if (number, p) in self.motion_slopes:
-                        found[:, number, load, p] += x[self.motion_slopes[number, p]]
+                        derivatives[:, number, load, p] += x[self.motion_slopes[number, p]]
                     for condition, gap in self.multipliers.items():
-                        found[:, number, load, p] += one.slopes.conditions[condition, p] * x[self.first_gap + gap]
+                        derivatives[:, number, load, p] += (
+                            output.slopes.conditions[condition, p] * x[self.first_gap + gap]
+                        )
             # Rates and accelerations are s and s^2 times angles.
-            found[:, number] *= (s**one.power)[:, None, None]
-        return found
+            derivatives[:, number] *= (s**output.power)[:, None, None]
+        return derivatives
 
     def slopes_along(self, solved: ComplexArray, rates: ComplexArray, s: ComplexArray) -> ComplexArray:
         """Derivatives of readings (n_f, n_readings, n_loads) along ``rates`` (n_laws, n_f) of the stiffnesses."""
         twists = solved[[self.twists[law] for law in range(len(rates))]]
-        adjoint, motion = twists[:, [one.load for one in self.readings]], twists[:, : self.n_loads]
-        powers = np.array([s**one.power for one in self.readings])
+        adjoint, motion = twists[:, [output.load for output in self.readings]], twists[:, : self.n_loads]
+        powers = np.array([s**output.power for output in self.readings])
         return np.asarray(-np.einsum("lf,lzf,lxf,zf->fzx", rates, adjoint, motion, powers, optimize=True))
 
     def _equation_slopes(

@@ -104,12 +104,12 @@ class ParametricResponse:
         # The motions under the readings as loads are among those solved: dy = -z^T dK x for all parameters at once.
         y = derivatives.values(solved, kappa.s)
         dy = derivatives.slopes(solved, whole, kappa.by_law, kappa.s, omega)
-        found = self._quotient(*self._stressed(y, dy, numbers))
+        evaluation = self._quotient(*self._stressed(y, dy, numbers))
         if np.isfinite(numbers).all():
-            self._settle(derivatives, kappa, found.values, numbers)
-        if not (np.isfinite(found.values).all() and np.isfinite(found.jacobian).all()):
+            self._settle(derivatives, kappa, evaluation.values, numbers)
+        if not (np.isfinite(evaluation.values).all() and np.isfinite(evaluation.jacobian).all()):
             raise SolveError(f"the response is not finite at {self._given(numbers)}", kind="not-finite")
-        return found
+        return evaluation
 
     def _problem(self, system: Augmented, numbers: Sequence[float]) -> DerivativeProblem:
         """Response problem that gives readings and derivatives, kept while no parameter changes a row."""
@@ -121,8 +121,10 @@ class ParametricResponse:
         channels = {channel: name for name, channel in names}
         values = self.unknowns.values(numbers)
         # A section and a shaft referred to scale readings and are no part of the equations, which are in torques.
-        torques = [replace(one, quantity="torque") if one.quantity == "stress" else one for one in self.sensors]
-        torques = [replace(one, referred_to=None) for one in torques]
+        torques = [
+            replace(sensor, quantity="torque") if sensor.quantity == "stress" else sensor for sensor in self.sensors
+        ]
+        torques = [replace(sensor, referred_to=None) for sensor in torques]
         derivatives = DerivativeProblem(system, torques, elements, values, self.loads, channels, self._nodes)
         self._known[:] = [(key, derivatives)]
         return derivatives

@@ -79,7 +79,10 @@ class ResponsesAroundPoles:
         if kept is None:
             # A reading referred to another shaft is scaled, which moves no pole.
             return cls(
-                drivetrain, chosen, [replace(one, referred_to=None) for one in request.sensors], request.excitations[:1]
+                drivetrain,
+                chosen,
+                [replace(sensor, referred_to=None) for sensor in request.sensors],
+                request.excitations[:1],
             )
         chosen = replace(chosen, definition=cut_definition(chosen.definition, kept))
         return cls(drivetrain.with_definition(chosen.definition), chosen, (), ())
@@ -105,8 +108,8 @@ class ResponsesAroundPoles:
         if count > 1 and np.abs(whole - first[places][..., None] / apart).max() > DEFECTIVE_SHARE * np.abs(whole).max():
             return nothing
         # The mean of (s - lambda)^2 dY/dp is residue times dlambda/dp, that of dY/ds is minus the residue.
-        found = np.einsum("f,fzxp->zxp", apart**2, responses.slopes)[places]
-        moved, rate, followed = found[..., :-2], -found[..., -2], found[..., -1]
+        moving = np.einsum("f,fzxp->zxp", apart**2, responses.slopes)[places]
+        moved, rate, followed = moving[..., :-2], -moving[..., -2], moving[..., -1]
         if count == 1:
             # Tables follow the pole, dlambda = direct + through d Im lambda, which is solved for d Im lambda.
             direct, through = moved[0] / rate[0, 0], followed[0, 0] / rate[0, 0]
@@ -159,8 +162,8 @@ class ResponsesAroundPoles:
         y, rates = probes.values(solved, s), self.system.kappa_rates(s, at)
         parts = [probes.slopes(solved, self.system, kappa, s, at)]
         parts += [probes.slopes_along(solved, rate, s)[..., None] for rate in rates]
-        found = Responses(y, np.abs(y), np.concatenate(parts, axis=3))
-        return found.with_imposed_reading() if self.sensors else found
+        responses = Responses(y, np.abs(y), np.concatenate(parts, axis=3))
+        return responses.with_imposed_reading() if self.sensors else responses
 
 
 def _on_axes(slopes: ComplexArray, pole: complex) -> ComplexArray:
@@ -194,13 +197,13 @@ class Responses:
         With mu = y_00, u = (given - y_0l f_l) / mu, and every other reading is y_c0 u + y_cl f_l.
         """
         # y = [[mu, y_0l], [y_c0, y_cl]], mu the reading under its own drive
-        y, one = self.values, np.eye(self.values.shape[1])[1:, 1:]
+        y, identity = self.values, np.eye(self.values.shape[1])[1:, 1:]
         rate = 1 / y[:, :1, :1]
         through, drive = y[:, 1:, :1] * rate, y[:, :1, 1:] * rate
         # Derivatives as left dY right, with d(1 / mu) = -dmu / mu^2 in the first place.
         left, right = np.zeros_like(y), np.zeros_like(y)
-        left[:, :1, :1], left[:, 1:, :1], left[:, 1:, 1:] = -rate, -through, one
-        right[:, :1, :1], right[:, :1, 1:], right[:, 1:, 1:] = rate, -drive, one
+        left[:, :1, :1], left[:, 1:, :1], left[:, 1:, 1:] = -rate, -through, identity
+        right[:, :1, :1], right[:, :1, 1:], right[:, 1:, 1:] = rate, -drive, identity
         values, sizes = -left, np.abs(left)
         values[:, :1], values[:, 1:, :1] = right[:, :1], through
         values[:, 1:, 1:] = y[:, 1:, 1:] - y[:, 1:, :1] * drive

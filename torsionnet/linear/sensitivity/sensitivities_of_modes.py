@@ -134,8 +134,8 @@ class ModeSensitivities(SavedResult):
         """Percent of damping ratio per percent of parameter, shape (n_modes, n_p)."""
         ratios = self.damping_ratios[:, None]
         with np.errstate(divide="ignore", invalid="ignore"):
-            found = self.damping_slopes * self.values / ratios
-        return np.asarray(np.where(np.abs(ratios) > 0, found, 0.0))
+            relative = self.damping_slopes * self.values / ratios
+        return np.asarray(np.where(np.abs(ratios) > 0, relative, 0.0))
 
     def number(self, place: int) -> int | None:
         """Number of the mode at this index, counted from 1, or None for a real pole."""
@@ -153,10 +153,10 @@ class ModeSensitivities(SavedResult):
 
     def words(self, most: int = 3) -> tuple[str, ...]:
         """Sentences, one per mode, that name the ``most`` parameters which change the mode most."""
-        found = []
+        sentences = []
         for mode, (f, z) in enumerate(zip(self.natural_frequencies, self.damping_ratios, strict=True)):
             if np.isnan(self.pole_slopes[mode]).any():
-                found.append(
+                sentences.append(
                     f"{self.name(mode)} ({f:.4g} Hz): two poles meet (critical damping) and have no derivative"
                 )
                 continue
@@ -166,8 +166,10 @@ class ModeSensitivities(SavedResult):
                 for what, relative in (("frequency", self.relative_frequencies), ("damping", self.relative_dampings))
                 if np.abs(relative[mode]).max(initial=0.0) > NAMED_EFFECT
             ]
-            found.append(f"{self.name(mode)} ({f:.4g} Hz{kind}): {'; '.join(parts) or 'hardly moved by any of these'}")
-        return tuple(found)
+            sentences.append(
+                f"{self.name(mode)} ({f:.4g} Hz{kind}): {'; '.join(parts) or 'hardly moved by any of these'}"
+            )
+        return tuple(sentences)
 
     def table(self) -> Table:
         """Table of effects with a row for each mode and parameter, in % per % and per SI unit."""
@@ -260,7 +262,7 @@ def mode_sensitivities(
 
 
 def _basic(drivetrain: AssembledModel) -> list[str]:
-    basic = [name for name, one in drivetrain.parameter_definitions.items() if not one.value.names]
+    basic = [name for name, parameter in drivetrain.parameter_definitions.items() if not parameter.value.names]
     if not basic:
         raise UsageError(
             f"{drivetrain.name} has no parameters; name numbers of elements, such as shaft.stiffness",
