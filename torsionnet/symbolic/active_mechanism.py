@@ -65,7 +65,7 @@ class ActiveMechanism(Mechanism):
     @cached_property
     def _acting(self) -> dict[int, int]:
         """Number of the row and column of each action's torque in the equations, by the action's number."""
-        acting = [number for number, (_, one) in enumerate(self.kinematics.actions) if self._acts(one)]
+        acting = [number for number, (_, action) in enumerate(self.kinematics.actions) if self._acts(action)]
         return {number: len(self._column) + place for place, number in enumerate(acting)}
 
     def _acts(self, action: Action) -> bool:
@@ -114,11 +114,11 @@ class ActiveMechanism(Mechanism):
     def _in_s(self, coefficients: Sequence[Any]) -> ProgramNode:
         """Polynomial in s as a node of the program, from its coefficients in ascending powers."""
         first = [*coefficients[:3], ZERO, ZERO, ZERO][:3]
-        found = self.program.leaf(Stiffness(*first)) if any(first[1:]) else self.program.leaf(first[0])
+        polynomial = self.program.leaf(Stiffness(*first)) if any(first[1:]) else self.program.leaf(first[0])
         if len(coefficients) > len(first):
             s = self.program.leaf(PURE_S)
-            found = found + s * s * s * self._in_s(coefficients[3:])
-        return found
+            polynomial = polynomial + s * s * s * self._in_s(coefficients[3:])
+        return polynomial
 
 
 def _add(entries: Entries, column: int, value: ProgramNode) -> None:

@@ -78,13 +78,13 @@ def checked_identifier(name: str) -> str:
 
 def _plain(names: dict[Any, str]) -> dict[Any, str]:
     """Python name of each symbol, without the dots of names in parts, none of them twice."""
-    found: dict[Any, str] = {}
+    python_names: dict[Any, str] = {}
     for owner, name in sorted(names.items(), key=lambda pair: ("." in pair[1], pair[1])):
         wish = name.replace(".", "_")
-        while wish in found.values():
+        while wish in python_names.values():
             wish += "_"
-        found[owner] = checked_identifier(wish)
-    return found
+        python_names[owner] = checked_identifier(wish)
+    return python_names
 
 
 def _leaves(table: WhereTable) -> list[Any]:
@@ -93,10 +93,10 @@ def _leaves(table: WhereTable) -> list[Any]:
 
 
 def _symbols(table: WhereTable) -> set[Any]:
-    found: set[Any] = set()
+    symbols: set[Any] = set()
     for leaf in _leaves(table):
-        found |= getattr(leaf, "free_symbols", set())
-    return found - {sympy.Symbol("omega")}
+        symbols |= getattr(leaf, "free_symbols", set())
+    return symbols - {sympy.Symbol("omega")}
 
 
 def _delaying(function: SymbolicFraction) -> set[Any]:

@@ -44,8 +44,8 @@ def to_latex(system: SymbolicMatrices, part: str = "") -> str:
     terms += [f"{matrix_latex(rest.tolist())} {to_latex(system, 'q')}"] if any(rest) else []
     loads = [f"{to_latex(system, 'B')} {to_latex(system, 'u')}"] if system.inputs else []
     loads += [
-        f"{column_latex([latex(value) for value in one.row])} {symbol_latex(f'T_{one.owner}')}"
-        for one in system.actions
+        f"{column_latex([latex(value) for value in action.row])} {symbol_latex(f'T_{action.owner}')}"
+        for action in system.actions
     ]
     return f"{' + '.join(terms)} = {' + '.join(loads) or '0'}"
 
@@ -97,7 +97,7 @@ def equation_terms(system: SymbolicMatrices, row: int) -> list[str]:
     """
     terms = list(_terms(system, row))
     loads = [_signed(system.B[row, i], symbol_latex(name)) for i, name in enumerate(system.inputs)]
-    loads += [_signed(one.row[row], symbol_latex(f"T_{one.owner}")) for one in system.actions]
+    loads += [_signed(action.row[row], symbol_latex(f"T_{action.owner}")) for action in system.actions]
     given = [text for text in loads if text]
     return [*_first(terms), *(f"= {text}" if not number else text for number, text in enumerate(_first(given)))]
 

@@ -98,8 +98,8 @@ class Lowered(ProgramAlgebra):
         return self._number(payload)
 
     def _number(self, expression: Any) -> ProgramNode:
-        found: ProgramNode = evaluate_expression(expression, self.program.leaf)
-        return found
+        node: ProgramNode = evaluate_expression(expression, self.program.leaf)
+        return node
 
     def _stiffness(self, stiffness: Any, damping: Any, inertia: Any) -> ProgramNode:
         s = self.program.leaf(S)

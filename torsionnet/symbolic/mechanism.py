@@ -183,21 +183,21 @@ class Mechanism:
 
     def determinant(self, load: SymbolRow) -> ProgramNode:
         """Determinant det D of the drivetrain's dynamic stiffness, as a node of the program."""
-        found = self.reduced([load])
-        first = next(iter(found.rows[0]), "")
-        return self.program.leaf(found.factor) * determinant(found.network, self.program, first)
+        reduced = self.reduced([load])
+        first = next(iter(reduced.rows[0]), "")
+        return self.program.leaf(reduced.factor) * determinant(reduced.network, self.program, first)
 
     def numerator(self, parts: Collection[SymbolicPart], load: Mapping[str, int]) -> ProgramNode:
         """Numerator of a reading under torques on nodes, det D times the reading, a node of the program."""
         total = self.program.leaf(0)
         for part in parts:
             # The torque of a rigid connection is read as the twist of its row in the drivetrain without it.
-            found = self.reduced([self.row(part.row), self.row(load)], part.rigid)
-            row, loaded = found.rows[-1 if part.rigid is not None else 0], found.rows[1]
-            number = self.program.leaf(part.factor * found.factor)
+            reduced = self.reduced([self.row(part.row), self.row(load)], part.rigid)
+            row, loaded = reduced.rows[-1 if part.rigid is not None else 0], reduced.rows[1]
+            number = self.program.leaf(part.factor * reduced.factor)
             for law in [PURE_S] * part.power + ([part.law] if part.law else []):
                 number = number * self.program.leaf(law)
-            total = total + bilinear(found.network, self.program, row, loaded) * number
+            total = total + bilinear(reduced.network, self.program, row, loaded) * number
         return total
 
 
@@ -248,22 +248,22 @@ class ContinuedFraction:
 
     def _eliminate(self, name: str) -> None:
         """Store the receptance of a coordinate from those of its branches, None where nothing holds it."""
-        found = []
+        flexibilities = []
         for block in self.tree.below[name]:
             (child,), (member,) = block.below, block.members
             if self.receptance[child] is not None:
                 # 1/Z_branch = 1/y + 1/Z_c, over the ratio of the edge
                 series = self._one / self.element(member.law) + self._squared(member, child) * self.receptance[child]
                 self.flexibility[child] = series / self._squared(member, name)
-                found.append(self.flexibility[child])
+                flexibilities.append(self.flexibility[child])
         grounds = self.network.grounds.get(name, [])
         # A single branch keeps its receptance as it is, instead of 1 / (1 / receptance).
-        if not grounds and len(found) == 1:
-            self.receptance[name] = found[0]
+        if not grounds and len(flexibilities) == 1:
+            self.receptance[name] = flexibilities[0]
             return
         # Z_v = g_v + sum of Z_branch
         total = self.element(grounds[0]) if grounds else None
-        for flexibility in found:
+        for flexibility in flexibilities:
             total = self._one / flexibility if total is None else total + self._one / flexibility
         self.receptance[name] = None if total is None else self._one / total
 
@@ -339,8 +339,8 @@ def single_edges(network: Network[Stiffness]) -> Network[Stiffness]:
         share = member.row[v] * member.row[c] / (row[v] * row[c])
         members.append(NetworkMember(row, _times(member.law, share)))
         members += [NetworkMember({x: ONE}, _times(member.law, member.row[x] ** 2 - share * row[x] ** 2)) for x in row]
-    found = add_parallel_laws(Network(network.coordinates, tuple(members)), reflected_sum)
-    acting = (member for member in found.members if not all(map(vanishes, member.law.parts)))
+    simple = add_parallel_laws(Network(network.coordinates, tuple(members)), reflected_sum)
+    acting = (member for member in simple.members if not all(map(vanishes, member.law.parts)))
     return Network(network.coordinates, tuple(acting))
 
 
@@ -365,9 +365,9 @@ def response(
     NoContinuedFractionError
         There are closed loops, or the torque acts on several coordinates.
     """
-    found = mechanism.reduced([mechanism.row(load)])
+    reduced = mechanism.reduced([mechanism.row(load)])
     # Continued fractions, equation (3.4), need a tree of single edges and a torque on one coordinate of it.
-    network, loaded = single_edges(found.network), found.rows[0]
+    network, loaded = single_edges(reduced.network), reduced.rows[0]
     if len(loaded) != 1 or not is_forest(network):
         raise NoContinuedFractionError
     ((root, share),) = loaded.items()
@@ -408,8 +408,8 @@ def _handed_through(
     mechanism: Mechanism, rigid: int, tree: ContinuedFraction, load: Mapping[str, int], element: Callable[[Any], Any]
 ) -> Any:
     """Torque through a rigid connection over the motion at the root, the reaction of the side beyond it."""
-    found = mechanism.reduced([mechanism.row(load)], rigid)
-    network, (loaded, row) = single_edges(found.network), found.rows
+    reduced = mechanism.reduced([mechanism.row(load)], rigid)
+    network, (loaded, row) = single_edges(reduced.network), reduced.rows
     near = set(orient(network, next(iter(loaded))).order) if len(loaded) == 1 else set()
     away = [name for name in row if name not in near]
     if not is_forest(network) or len(away) != 1:

@@ -188,8 +188,8 @@ def _irreducible(function: SymbolicFraction, index: int) -> list[tuple[list[Any]
         or not _factors_at_random(number)
     ):
         return [(coefficients, 1)]
-    content, found = sympy.factor_list(number, S)
-    return [([content / denominator], 1), *((_coefficients(factor), power) for factor, power in found)]
+    content, factors = sympy.factor_list(number, S)
+    return [([content / denominator], 1), *((_coefficients(factor), power) for factor, power in factors)]
 
 
 def _factors_at_random(polynomial: Any) -> bool:
@@ -201,9 +201,9 @@ def _factors_at_random(polynomial: Any) -> bool:
     for seed in range(2):
         draw = random.Random(seed)
         chosen = {symbol: draw.randrange(10**3, 10**4) for symbol in symbols}
-        _, found = sympy.factor_list(polynomial.xreplace(chosen), S)
+        _, factors = sympy.factor_list(polynomial.xreplace(chosen), S)
         # Factors in symbols remain factors with numbers, so that one draw without any decides.
-        if sum(power for factor, power in found if factor != S) < 2:
+        if sum(power for factor, power in factors if factor != S) < 2:
             return False
     return True
 

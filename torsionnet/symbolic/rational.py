@@ -175,9 +175,9 @@ class ProgramCoefficients:
 
     def expressions(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
         nodes = [value for value in (*self.above, *self.below) if isinstance(value, ProgramNode)]
-        found = dict(zip((node.index for node in nodes), to_expressions(nodes), strict=True))
+        expression_of = dict(zip((node.index for node in nodes), to_expressions(nodes), strict=True))
         above, below = (
-            tuple(found[value.index] if isinstance(value, ProgramNode) else sympy.Integer(0) for value in part)
+            tuple(expression_of[value.index] if isinstance(value, ProgramNode) else sympy.Integer(0) for value in part)
             for part in (self.above, self.below)
         )
         return above, below
@@ -306,11 +306,11 @@ def _at(function: SymbolicFraction, frequencies: FloatArray, values: Mapping[Any
     algebra = NumericValues(known, Scaled.rational, Scaled.of(1j * omega))
     above, below = function.steps.run(algebra, function.outputs)
     ratio = above / below
-    found = np.array(np.broadcast_to(ratio.array(), frequencies.shape))
+    response = np.array(np.broadcast_to(ratio.array(), frequencies.shape))
     # Where terms cancel the bound of rounding grows, and more digits are needed.
     for point in np.flatnonzero(~np.broadcast_to(ratio.relative_error() <= ACCEPTED_RELATIVE_ERROR, frequencies.shape)):
-        found[point] = _in_many_digits(function, float(omega[point]), values)
-    return found
+        response[point] = _in_many_digits(function, float(omega[point]), values)
+    return response
 
 
 def _in_many_digits(function: SymbolicFraction, omega: float, values: Mapping[Any, Any]) -> complex:
@@ -359,10 +359,10 @@ def lowest_terms_in_s(function: SymbolicFraction, coefficient: Any, vanishes: An
     limit = 4
     while True:
         algebra = InPowersNearRest(coefficient, limit, delays_of(function.used_tables))
-        found = [first_term(polynomial, vanishes) for polynomial in function.steps.run(algebra, function.outputs)]
+        lowest = [first_term(polynomial, vanishes) for polynomial in function.steps.run(algebra, function.outputs)]
         # A numerator that vanishes in more powers of s than the program has steps counts as zero.
-        if found[1] is not None and (found[0] is not None or limit > len(function.steps.steps)):
-            return found[0], found[1]
+        if lowest[1] is not None and (lowest[0] is not None or limit > len(function.steps.steps)):
+            return lowest[0], lowest[1]
         if limit > 4 * len(function.steps.steps) + 4:
             raise UsageError(
                 "numerator and denominator of the transfer function are both zero; choose another output or input",

@@ -212,8 +212,8 @@ class _Reference:
 
     def _poles(self, drivetrain: AssembledModel) -> list[complex]:
         request = resolve_inputs(drivetrain, self.request.input, self.request.excitation)
-        found = modes_against(drivetrain, request if request.is_measured else None)
-        pairs = zip(found.eigenvalues, found.kinds, strict=True)
+        solved = modes_against(drivetrain, request if request.is_measured else None)
+        pairs = zip(solved.eigenvalues, solved.kinds, strict=True)
         return [complex(value) for value, kind in pairs if kind == "oscillatory"]
 
     def _magnitude(self, drivetrain: AssembledModel) -> ComplexArray:
@@ -225,10 +225,10 @@ class _Reference:
 
     def errors(self, drivetrain: AssembledModel) -> Errors:
         """Errors of a simplified drivetrain in the poles of the kept modes and in the magnitude over the band."""
-        found = self._poles(drivetrain)
+        poles = self._poles(drivetrain)
         omega = zeta = 0.0
         for pole in self.poles:
-            near = min(found, key=lambda other: abs(other - pole), default=complex(math.inf))
+            near = min(poles, key=lambda other: abs(other - pole), default=complex(math.inf))
             omega = max(omega, abs(abs(near) / abs(pole) - 1))
             zeta = max(zeta, abs(_zeta(near) - _zeta(pole)) / max(_zeta(pole), 1e-6))
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -238,10 +238,10 @@ class _Reference:
     def cost(self, drivetrain: AssembledModel) -> float:
         """Largest relative change of natural frequency or damping ratio over the kept modes, inf if unknown."""
         try:
-            found = self.errors(drivetrain)
+            errors = self.errors(drivetrain)
         except TorsionnetError:
             return math.inf
-        return max(found.omega, found.zeta)
+        return max(errors.omega, errors.zeta)
 
 
 def _zeta(pole: Any) -> float:

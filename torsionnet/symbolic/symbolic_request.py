@@ -240,29 +240,31 @@ class SymbolicFraction:
     @cached_property
     def free_symbols(self) -> frozenset[Any]:
         """Parameters that appear in the transfer function, as sympy symbols."""
-        found = {symbol for leaf in self._leaves for symbol in leaf.free_symbols} - {sympy.Symbol("omega")}
-        coefficients = (one for table in self.used_tables.values() for one in table.coefficients)
-        return frozenset(found.union(*(coefficient.free_symbols for coefficient in coefficients)))
+        symbols = {symbol for leaf in self._leaves for symbol in leaf.free_symbols} - {sympy.Symbol("omega")}
+        coefficients = (table_of for table in self.used_tables.values() for table_of in table.coefficients)
+        return frozenset(symbols.union(*(coefficient.free_symbols for coefficient in coefficients)))
 
     @cached_property
     def used_tables(self) -> Mapping[Any, Any]:
         """Frequency-dependent stiffnesses in the transfer function, by their symbol kappa(omega)."""
-        found = {function for leaf in self._leaves for function in leaf.atoms(sympy.core.function.AppliedUndef)}
-        return {name: table for name, table in self.tables.items() if name in found}
+        functions = {function for leaf in self._leaves for function in leaf.atoms(sympy.core.function.AppliedUndef)}
+        return {name: table for name, table in self.tables.items() if name in functions}
 
     @property
     def formulas(self) -> Mapping[Any, Any]:
         """Formula of each continuous shaft's kappa(omega) in omega and parameters, a sympy expression in N m/rad."""
         omega = sympy.Symbol("omega")
-        found = {name: table.formula(omega) for name, table in self.used_tables.items()}
-        return {name: formula for name, formula in found.items() if formula is not None}
+        formulas = {name: table.formula(omega) for name, table in self.used_tables.items()}
+        return {name: formula for name, formula in formulas.items() if formula is not None}
 
     @cached_property
     def _leaves(self) -> tuple[Any, ...]:
         """Sympy expressions in the leaves of the transfer function's program."""
         needed = (self.steps.steps[index] for index in self.steps.needed(self.outputs))
         payloads = [step[1] for step in needed if step[0] == "leaf"]
-        parts = [part for one in payloads for part in (one.parts if isinstance(one, Stiffness) else (one,))]
+        parts = [
+            part for payload in payloads for part in (payload.parts if isinstance(payload, Stiffness) else (payload,))
+        ]
         return tuple(dict.fromkeys(part for part in parts if isinstance(part, sympy.Basic)))
 
     @cached_property
@@ -326,8 +328,12 @@ def is_imposed(drivetrain: AssembledModel) -> bool:
 def hold_imposed_angles(drivetrain: AssembledModel, driven: Input | None = None) -> AssembledModel:
     """Drivetrain with its imposed angles held at zero, except that of ``driven``, where the node turns freely."""
     definition, nodes = drivetrain.definition, set(drivetrain.nodes)
-    imposed = [one for one in definition.inputs.values() if one.quantity == "angle" and nodes.issuperset(one.nodes)]
-    held = [_holder(one, definition.elements) for one in imposed if one != driven]
+    imposed = [
+        channel
+        for channel in definition.inputs.values()
+        if channel.quantity == "angle" and nodes.issuperset(channel.nodes)
+    ]
+    held = [_holder(channel, definition.elements) for channel in imposed if channel != driven]
     elements = {**definition.elements, **{holder.name: holder for holder in held}}
     inputs = {name: channel for name, channel in definition.inputs.items() if channel.quantity != "angle"}
     return drivetrain.with_definition(replace(definition, elements=elements, inputs=inputs))

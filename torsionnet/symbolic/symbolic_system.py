@@ -159,8 +159,8 @@ class SymbolicSystem(SymbolicMatrices):
     @property
     def formulas(self) -> Mapping[Any, Any]:
         """Formula of each continuous shaft's kappa(omega) in omega and parameters, a sympy expression in N m/rad."""
-        found = {name: table.formula(name.args[0]) for name, table in _tables(self._model).items()}
-        return {name: formula for name, formula in found.items() if formula is not None}
+        formulas = {name: table.formula(name.args[0]) for name, table in _tables(self._model).items()}
+        return {name: formula for name, formula in formulas.items() if formula is not None}
 
     def to_latex(self, part: str = "") -> str:
         r"""LaTeX of the equations of motion as a matrix equation, or of one part (M, C, K, H, q, B or u).
@@ -205,15 +205,15 @@ def _tables(drivetrain: AssembledModel) -> Mapping[Any, Any]:
     values = symbolic_values(drivetrain.definition.parameters, drivetrain.exact_values)
     parts = [(owned.element, owned.part) for owned in owned_parts(drivetrain.definition, values)]
     laws = [(owner, part) for owner, part in parts if isinstance(part, Law)]
-    found = {
+    tables = {
         stiffness_symbol(owner, law.table): with_symbols(law.table) for owner, law in laws if law.table is not None
     }
     delays = [(owner, symbol_of(part.delay)) for owner, part in parts if isinstance(part, Action)]
     if not delays:
-        return found
+        return tables
     from torsionnet.symbolic.algebra.delay import Delay, delay_symbol
 
-    return found | {delay_symbol(owner): Delay(time) for owner, time in delays if time != 0}
+    return tables | {delay_symbol(owner): Delay(time) for owner, time in delays if time != 0}
 
 
 def symbolic(drivetrain: AssembledModel, *, referred_to: Sequence[str] = ()) -> SymbolicSystem:

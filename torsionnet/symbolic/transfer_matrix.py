@@ -74,13 +74,13 @@ class TransferMatrix:
 
     def evaluate(self, frequencies: ArrayLike, **parameters: float) -> FrequencyResponse:
         """Frequency response of all entries at frequencies in Hz, values (n_f, n_out, n_in) in SI units."""
-        found = [[entry.evaluate(frequencies, **parameters) for entry in row] for row in self.entries]
-        first = found[0][0]
+        responses = [[entry.evaluate(frequencies, **parameters) for entry in row] for row in self.entries]
+        first = responses[0][0]
         return replace(
             first,
-            values=np.stack([np.stack([entry.values[:, 0, 0] for entry in row], axis=1) for row in found], axis=1),
-            outputs=tuple(row[0].outputs[0] for row in found),
-            inputs=tuple(entry.inputs[0] for entry in found[0]),
+            values=np.stack([np.stack([entry.values[:, 0, 0] for entry in row], axis=1) for row in responses], axis=1),
+            outputs=tuple(row[0].outputs[0] for row in responses),
+            inputs=tuple(entry.inputs[0] for entry in responses[0]),
         )
 
     def to_latex(self, form: str = "mechanical") -> str:

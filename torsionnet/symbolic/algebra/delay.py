@@ -83,9 +83,9 @@ def refuse_delays(tables: Mapping[Any, DynamicStiffness], what: str) -> None:
     UsageError
         There is a delay.
     """
-    found = delays_of(tables)
-    if found:
-        names = ", ".join(name.func.__name__.removeprefix("delay_") for name in found)
+    delays = delays_of(tables)
+    if delays:
+        names = ", ".join(name.func.__name__.removeprefix("delay_") for name in delays)
         text = f"the delay of {names} is no quotient of polynomials in s, so there is no {what}"
         raise UsageError(f"{text}; evaluate() and modes() have the delay in them", kind="unsupported-law")
 

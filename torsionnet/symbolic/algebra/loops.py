@@ -123,14 +123,14 @@ class ExpandedBlock:
         return self._node(terms, self._laws(without))
 
     def _laws(self, without: str = "") -> list[Quotient]:
-        one = self.program.leaf(1)
+        unit = self.program.leaf(1)
         idle = self.hanging.get(without)
-        return [Quotient(one, one) if member.law is idle else member.law for member in self._members]
+        return [Quotient(unit, unit) if member.law is idle else member.law for member in self._members]
 
     def _node(self, terms: Mapping[tuple[int, ...], Any], laws: Sequence[Quotient]) -> ProgramNode:
         """Polynomial in laws and ratios as a node of the program, nested by one unknown after the other."""
-        one = self.program.leaf(1)
-        return self._nested(terms, [*laws, *(Quotient(self.program.leaf(ratio), one) for ratio in self._ratios)], 0)
+        unit = self.program.leaf(1)
+        return self._nested(terms, [*laws, *(Quotient(self.program.leaf(ratio), unit) for ratio in self._ratios)], 0)
 
     def _nested(self, terms: Mapping[tuple[int, ...], Any], payloads: Sequence[Quotient], depth: int) -> ProgramNode:
         if not terms or depth == len(payloads):

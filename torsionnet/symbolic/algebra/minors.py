@@ -38,7 +38,7 @@ def sparse_determinant(rows: Sequence[SparseRow], program: Program) -> ProgramNo
         # Columns that no later row has must be taken by now.
         later = {column for other in order[place + 1 :] for column in rows[other]}
         closed = sum(1 << column for column in range(len(rows)) if column not in later)
-        found: dict[int, ProgramNode] = {}
+        wider: dict[int, ProgramNode] = {}
         for used, minor in minors.items():
             for column, entry in rows[number].items():
                 now = used | 1 << column
@@ -46,14 +46,14 @@ def sparse_determinant(rows: Sequence[SparseRow], program: Program) -> ProgramNo
                     continue
                 # Laplace: the sign counts the columns on the right that are taken already.
                 term = minor * entry * (-1 if (used >> column).bit_count() % 2 else 1)
-                found[now] = found[now] + term if now in found else term
+                wider[now] = wider[now] + term if now in wider else term
                 steps += 1
         if steps > MOST_MINORS:
             raise UsageError(
                 "the closed loops have too many terms for a symbolic formula; use frequency_response instead",
                 kind="too-large",
             )
-        minors = found
+        minors = wider
     return minors.get((1 << len(rows)) - 1, program.leaf(0))
 
 
@@ -61,7 +61,7 @@ def _order(rows: Sequence[SparseRow]) -> list[int]:
     """Order of a sparse matrix's rows, as indices, in which few columns are begun and unfinished at any time."""
     left, begun, order = set(range(len(rows))), set[int](), list[int]()
     while left:
-        number = min(left, key=lambda one: (len(set(rows[one]) - begun), one))
+        number = min(left, key=lambda number_of_row: (len(set(rows[number_of_row]) - begun), number_of_row))
         left.remove(number)
         begun |= set(rows[number])
         order.append(number)

@@ -56,11 +56,11 @@ class Network(Generic[L]):
     @cached_property
     def grounds(self) -> Mapping[str, list[L]]:
         """Laws of a symbolic network that act on one coordinate alone (to ground), by coordinate."""
-        found: dict[str, list[L]] = {}
+        grounds: dict[str, list[L]] = {}
         for member in self.members:
             if len(member.row) == 1:
-                found.setdefault(next(iter(member.row)), []).append(member.law)
-        return found
+                grounds.setdefault(next(iter(member.row)), []).append(member.law)
+        return grounds
 
     def contracted(self, row: SymbolRow, keep: str = "") -> Contraction[L]:
         """Network for motions in which a row is zero, with one coordinate of it, not ``keep``, expressed by the others.

@@ -74,11 +74,11 @@ class Orientation(Generic[L]):
 
     def path(self, end: str) -> list[tuple[GraphBlock[L], str]]:
         """Blocks of a network from the root to a coordinate, each with the coordinate at which the path leaves it."""
-        found = []
+        steps = []
         while end != self.root:
-            found.append((self.above[end], end))
+            steps.append((self.above[end], end))
             end = self.above[end].top
-        return found[::-1]
+        return steps[::-1]
 
 
 def orient(network: Network[L], root: str) -> Orientation[L]:
@@ -89,16 +89,16 @@ def orient(network: Network[L], root: str) -> Orientation[L]:
     below: dict[str, tuple[GraphBlock[L], ...]] = {}
     hung: set[int] = set()
     for name in order:
-        found = []
+        hanging = []
         for number, (coordinates, members) in blocks.get(name, {}).items():
             # A block hangs on that coordinate of it which is reached first.
             if number not in hung:
                 others = tuple(other for other in coordinates if other != name)
-                found.append(GraphBlock(name, others, members))
-                above |= dict.fromkeys(others, found[-1])
+                hanging.append(GraphBlock(name, others, members))
+                above |= dict.fromkeys(others, hanging[-1])
                 order += others
                 hung.add(number)
-        below[name] = tuple(found)
+        below[name] = tuple(hanging)
     return Orientation(root, tuple(order), above, below)
 
 
@@ -113,12 +113,12 @@ def _blocks(network: Network[L]) -> dict[str, dict[int, tuple[tuple[str, ...], t
     for member in wide:
         first, second, *_ = member.row
         members.setdefault(home[frozenset((first, second))], []).append(member)
-    found: dict[str, dict[int, tuple[tuple[str, ...], tuple[NetworkMember[L], ...]]]] = {}
+    blocks: dict[str, dict[int, tuple[tuple[str, ...], tuple[NetworkMember[L], ...]]]] = {}
     for number, laws in members.items():
         coordinates = tuple(dict.fromkeys(chain.from_iterable(member.row for member in laws)))
         for name in coordinates:
-            found.setdefault(name, {})[number] = coordinates, tuple(laws)
-    return found
+            blocks.setdefault(name, {})[number] = coordinates, tuple(laws)
+    return blocks
 
 
 def roots_of(network: Network[L], first: str = "") -> list[str]:
@@ -227,10 +227,10 @@ class Bundle:
         The determinant is that of the rows of both laws; the sum is multiplied by all denominators.
         """
         total, top, child = self.program.leaf(0), self.block.top, self._child
-        for (i, one), (j, other) in combinations(enumerate(self.block.members), 2):
-            across = one.row[top] * other.row[child] - other.row[top] * one.row[child]
+        for (i, first), (j, second) in combinations(enumerate(self.block.members), 2):
+            across = first.row[top] * second.row[child] - second.row[top] * first.row[child]
             if not vanishes(across):
-                both = one.law.above * other.law.above * self._below(i, j)
+                both = first.law.above * second.law.above * self._below(i, j)
                 total = total + self.program.leaf(across**2) * both
         return total
 
@@ -368,5 +368,5 @@ class Recursion:
 
     def _common(self, row: SymbolRow) -> GraphBlock[Quotient] | None:
         """Block of the network that contains all coordinates of a row, or None if no block does."""
-        found = [self.tree.above[name] for name in row if name in self.tree.above] if len(row) > 1 else []
-        return next((block for block in found if block.covers(row)), None)
+        above = [self.tree.above[name] for name in row if name in self.tree.above] if len(row) > 1 else []
+        return next((block for block in above if block.covers(row)), None)

@@ -55,14 +55,14 @@ class Monomials(ProgramAlgebra):
     def leaf(self, payload: Any) -> Sparse:
         """Sparse polynomial of a program's input (a constant, an expression or a dynamic stiffness)."""
         depth = 0 if _is_whole(payload) else 1
-        found: dict[int, int] = {}
+        terms: dict[int, int] = {}
         for power, part in enumerate(_parts(payload)):
             for number, factors in monomials(part):
                 # Exponents in fields of bits, so that monomials multiply by adding.
                 key = sum(times << self._place[name] for name, times in factors.items()) + (power << self._place[S])
                 value = number * self.scale**depth
-                found[key] = found.get(key, 0) + value.numerator
-        return Sparse(found, depth, self.scale)
+                terms[key] = terms.get(key, 0) + value.numerator
+        return Sparse(terms, depth, self.scale)
 
     def add(self, left: Sparse, right: Sparse) -> Sparse:
         depth = max(left.depth, right.depth)
@@ -92,12 +92,12 @@ class Monomials(ProgramAlgebra):
     def by_power(self, polynomial: Sparse) -> list[dict[int, int]]:
         """Coefficients by packed monomial of a sparse polynomial, for each power of s from 0 on, no cancelled ones."""
         shift = self._place[S]
-        found: dict[int, dict[int, int]] = {}
+        coefficients: dict[int, dict[int, int]] = {}
         for monomial, number in polynomial.terms.items():
             if number:
                 power = monomial >> shift & EXPONENT_MASK
-                found.setdefault(power, {})[monomial - (power << shift)] = number
-        return [found.get(power, {}) for power in range(max(found, default=0) + 1)]
+                coefficients.setdefault(power, {})[monomial - (power << shift)] = number
+        return [coefficients.get(power, {}) for power in range(max(coefficients, default=0) + 1)]
 
     def as_dict(self, polynomial: Sparse) -> dict[tuple[int, ...], Any]:
         """Rational coefficients of a sparse polynomial by the exponents of its generators, as in sympy's rings."""
