@@ -280,15 +280,15 @@ def _resonance(omega: FloatArray, seen: FloatArray, damping: str) -> tuple[float
         detuning = _detuning(omega, start_omega * np.exp(p[1]), damping)
         return np.asarray(seen - p[0] + 2 * np.arctan(detuning * np.exp(-p[2])))
 
-    found = scipy.optimize.least_squares(deviations, start, method="lm", xtol=1e-14, ftol=1e-14, gtol=1e-14).x
-    resonance = float(start_omega * np.exp(found[1]))
+    solution = scipy.optimize.least_squares(deviations, start, method="lm", xtol=1e-14, ftol=1e-14, gtol=1e-14).x
+    resonance = float(start_omega * np.exp(solution[1]))
     if not omega[1] < resonance < omega[-2]:
         raise SolveError(
             f"the resonance of the circle would be at {resonance / (2 * np.pi):.4g} Hz, at the edge of its points or "
             "outside them; give another band=",
             kind="no-resonance",
         )
-    return float(found[0]), resonance
+    return float(solution[0]), resonance
 
 
 def _pairs(omega: FloatArray, angle: FloatArray, resonance: float, damping: str) -> FloatArray:

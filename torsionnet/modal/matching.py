@@ -131,10 +131,10 @@ def cmif(response: FrequencyResponse) -> FloatArray:
         # With unlike units the larger numbers would rule the singular values: each transfer function over its size.
         size = np.sqrt(np.nanmean(np.abs(values) ** 2, axis=0))
         values = values / np.where(size > 0, size, 1)
-    found = np.full((len(values), min(values.shape[1:])), np.nan)
+    singular_values = np.full((len(values), min(values.shape[1:])), np.nan)
     finite = np.isfinite(values).all(axis=(1, 2))
-    found[finite] = np.linalg.svd(values[finite], compute_uv=False)
-    return found
+    singular_values[finite] = np.linalg.svd(values[finite], compute_uv=False)
+    return singular_values
 
 
 def _shapes(given: ArrayLike) -> ComplexArray:
@@ -204,15 +204,15 @@ class Match(SavedResult):
     @property
     def frequency_errors(self) -> FloatArray:
         """Relative errors of the natural frequencies of all pairs, identified over model less 1, (n_pairs,)."""
-        found, model = self._partners()
-        return np.asarray(natural_frequencies(found) / natural_frequencies(model) - 1)
+        identified, model = self._partners()
+        return np.asarray(natural_frequencies(identified) / natural_frequencies(model) - 1)
 
     @property
     def damping_errors(self) -> FloatArray:
         """Relative errors of the damping ratios of all pairs, identified over model less 1, (n_pairs,)."""
-        found, model = self._partners()
+        identified, model = self._partners()
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.asarray(damping_ratios(found) / damping_ratios(model) - 1)
+            return np.asarray(damping_ratios(identified) / damping_ratios(model) - 1)
 
     @property
     def model_numbers(self) -> tuple[int | None, ...]:

@@ -153,8 +153,8 @@ def roots(coefficients: FloatArray, family: Family) -> tuple[ComplexArray, Compl
         comrade[k + 1, :, k] = family.down[k + 1] * unit
     last = np.linalg.lstsq(transposed[-1], np.hstack(list(transposed[:-1])))[0]
     comrade[-1] -= family.up[degree - 1] * last.reshape(size, degree, size)
-    found, vectors = scipy.linalg.eig(comrade.reshape(degree * size, degree * size))
-    return np.asarray(found), np.asarray(vectors[:size].T)
+    eigenvalues, vectors = scipy.linalg.eig(comrade.reshape(degree * size, degree * size))
+    return np.asarray(eigenvalues), np.asarray(vectors[:size].T)
 
 
 MOST_ROUNDS = 20
@@ -181,8 +181,8 @@ def poles_of_orders(lines: Lines, highest: int, settings: Settings) -> Iterator[
         rad/s, one of each conjugate pair.
     participations : (n, n_in) complex array
     """
-    for found, rows in (_rational if settings.method == "rational" else _lscf)(lines, highest, settings):
-        roots = without_rounding(found)
+    for poles, rows in (_rational if settings.method == "rational" else _lscf)(lines, highest, settings):
+        roots = without_rounding(poles)
         kept = [place for place in upper_half(roots) if roots[place].real < 0]
         yield roots[kept], rows[kept]
 
@@ -199,8 +199,8 @@ def _rational(lines: Lines, highest: int, settings: Settings) -> Iterator[tuple[
     scale = np.abs(lines.s).max()
     s = lines.s / scale
     for order in range(1, highest + 1):
-        found, rows = _reweighted(replace(lines, s=s), order, settings)
-        yield found * scale, rows
+        poles, rows = _reweighted(replace(lines, s=s), order, settings)
+        yield poles * scale, rows
 
 
 def _reweighted(lines: Lines, order: int, settings: Settings) -> tuple[ComplexArray, ComplexArray]:
@@ -226,17 +226,17 @@ def _reweighted(lines: Lines, order: int, settings: Settings) -> tuple[ComplexAr
                 columns = np.hstack([columns, size[:, None] * far * (s ** (-2.0 - power))[:, None]])
             rest.append(_eliminated(_equations(columns, size, receptance, family), columns.shape[1]))
         coefficients = _denominator(np.vstack(rest), order, inputs)
-        found, rows = roots(coefficients, family)
+        poles, rows = roots(coefficients, family)
         # Size of the matrix A at each line, by its determinant.
         size = np.abs(np.linalg.det(np.tensordot(family.values, coefficients, axes=1))) ** (1 / inputs)
         denominator = np.maximum(size, SMALLEST_DENOMINATOR * size.max())
-        now = np.sort_complex(found)
+        now = np.sort_complex(poles)
         if before is not None and np.allclose(
             now, before, rtol=START_CONVERGENCE if driven else POLE_CONVERGENCE, atol=0
         ):
             break
         before = now
-    return found, rows
+    return poles, rows
 
 
 def _denominator(equations: FloatArray, order: int, inputs: int) -> FloatArray:
@@ -274,10 +274,10 @@ def _lscf(lines: Lines, highest: int, settings: Settings) -> Iterator[tuple[Comp
         # A_0 = I, under which poles of noise come out unstable.
         solved = np.linalg.lstsq(rest[:, inputs:], -rest[:, :inputs])[0]
         coefficients = np.vstack([np.eye(inputs), solved]).reshape(order + 1, inputs, inputs)
-        found, rows = roots(coefficients, family)
+        z, rows = roots(coefficients, family)
         with np.errstate(divide="ignore"):
             # s = ln(z)/dt; at z = -1, where the band folds, poles are its artefacts.
-            poles = np.log(found) / interval
+            poles = np.log(z) / interval
         inside = np.isfinite(poles) & (np.abs(poles.imag) < NYQUIST_MARGIN * np.pi / interval) & (poles != 0)
         yield poles[inside], rows[inside]
 

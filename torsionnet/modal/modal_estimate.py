@@ -138,15 +138,15 @@ class ModalEstimate(SavedResult):
         Each is the best shape of rank one in the residues of all inputs.
         """
         moving = np.array([channel.unit != "N*m" for channel in self.outputs])
-        found = np.zeros((len(self.outputs), len(self)), dtype=complex)
+        shapes = np.zeros((len(self.outputs), len(self)), dtype=complex)
         for mode, residue in enumerate(self.residues):
             # The residues are shape times participation: all inputs alike in size, their common direction by the SVD.
             size = np.linalg.norm(residue, axis=0)
             left = np.linalg.svd(residue / np.where(size > 0, size, 1))[0][:, 0]
             # 1 where the shaft moves most; a torque's number would depend on its unit.
             among = np.where(moving, np.abs(left), 0) if moving.any() else np.abs(left)
-            found[:, mode] = left / left[int(among.argmax())]
-        return found
+            shapes[:, mode] = left / left[int(among.argmax())]
+        return shapes
 
     def shape_at(self, output: str) -> ComplexArray:
         """Angle (or torque in N m) of all mode shapes at one sensor, complex, (n_modes,)."""
@@ -279,11 +279,11 @@ FEWEST_ORDERS = 2
 def about_fit(estimate: ModalEstimate, seen: Sequence[int] = (), orders: int = 0) -> tuple[NoteOrText, ...]:
     """Warnings about modes outside the band, uncertain, computational or narrow, and about a large misfit of a fit."""
     narrow = () if estimate.by_record else _narrow(estimate)
-    found = [*_beyond(estimate), *_uncertain(estimate), *_rare(estimate, seen, orders), *narrow]
+    remarks = [*_beyond(estimate), *_uncertain(estimate), *_rare(estimate, seen, orders), *narrow]
     worst = float(np.max(estimate.misfit))
     if worst > LARGEST_MISFIT:
-        found.append(warning(f"the fit leaves {worst:.0%} of a response over; more orders or another band may help"))
-    return tuple(found)
+        remarks.append(warning(f"the fit leaves {worst:.0%} of a response over; more orders or another band may help"))
+    return tuple(remarks)
 
 
 def line_spacing(frequencies: FloatArray, near: float) -> float:

@@ -143,8 +143,8 @@ def _fitted(
     seconds = np.inf
     if isinstance(record, Lines):
         fit = fit_record(record, poles, settings, automatic=chosen.automatic)
-        found, better = estimate_from_expansion(response, lines, fit.expansion, notes), fit.refined
-        found = replace(found, by_record=True, misfit=fit.misfit)
+        estimate, better = estimate_from_expansion(response, lines, fit.expansion, notes), fit.refined
+        estimate = replace(estimate, by_record=True, misfit=fit.misfit)
         seconds = 2 * np.pi / float(np.abs(record.s[1] - record.s[0]))  # lines lie 1 / seconds apart
     else:
         widened = response.coherence is not None or response.estimation is not None
@@ -154,25 +154,25 @@ def _fitted(
             better = refine(lines, fewer, settings)
         if len(better.poles) < len(poles):
             notes += (f"{len(poles) - len(better.poles)} of {len(poles)} poles {UNPARTED}",)
-        found = estimate_from_expansion(response, lines, expand(lines, better.poles, settings), notes)
+        estimate = estimate_from_expansion(response, lines, expand(lines, better.poles, settings), notes)
         if widened:
             why = warning(f"no standard errors: {record}, and windows move poles by more than random errors do")
-            return replace(found, notes=(*notes, why))
+            return replace(estimate, notes=(*notes, why))
     if not better.converged:
-        found = replace(found, notes=(*found.notes, UNSETTLED))
-    found = replace(found, frequency_errors=better.frequency_errors, damping_errors=better.damping_errors)
-    return _decaying(found, seconds) if chosen.automatic else found
+        estimate = replace(estimate, notes=(*estimate.notes, UNSETTLED))
+    estimate = replace(estimate, frequency_errors=better.frequency_errors, damping_errors=better.damping_errors)
+    return _decaying(estimate, seconds) if chosen.automatic else estimate
 
 
-def _decaying(found: ModalEstimate, seconds: float) -> ModalEstimate:
+def _decaying(estimate: ModalEstimate, seconds: float) -> ModalEstimate:
     """Estimate without poles that hardly decay within the seconds of its record, as steady vibrations are no modes."""
     # -Re(lambda) T is the logarithm by which a mode decays in T.
-    steady = -found.poles.real * seconds < LEAST_DECAY
+    steady = -estimate.poles.real * seconds < LEAST_DECAY
     if not steady.any():
-        return found
-    places = ", ".join(f"{f:.4g} Hz" for f in found.natural_frequencies[steady])
+        return estimate
+    places = ", ".join(f"{f:.4g} Hz" for f in estimate.natural_frequencies[steady])
     note = f"no mode: a vibration at {places} that does not decay within the record, as the order of an engine"
-    return replace(found.only(~steady), notes=(*found.notes, note))
+    return replace(estimate.only(~steady), notes=(*estimate.notes, note))
 
 
 def _any_close(poles: ComplexArray) -> bool:

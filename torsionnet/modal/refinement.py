@@ -92,7 +92,7 @@ def minimised(problem: Projection, start: FloatArray, exact: float = 1e-14) -> t
     """Logarithms of the denominator's coefficients at the least squares near start coefficients, and success."""
     import scipy.optimize
 
-    found = scipy.optimize.least_squares(
+    solution = scipy.optimize.least_squares(
         problem.residuals,
         np.log(np.maximum(start, SMALLEST_VALUE)),
         problem.jacobian,
@@ -101,7 +101,7 @@ def minimised(problem: Projection, start: FloatArray, exact: float = 1e-14) -> t
         ftol=exact,
         gtol=exact,
     )
-    return found.x, bool(found.status > 0)
+    return solution.x, bool(solution.status > 0)
 
 
 def factors_of(poles: ComplexArray) -> tuple[tuple[int, ...], FloatArray]:
@@ -252,9 +252,9 @@ def record_lines(response: FrequencyResponse, lines: Lines, poles: ComplexArray,
     if not np.count_nonzero(drive) or not np.abs(values).max(axis=(0, 2)).all():
         return "a signal of its record stands still"
     weights = np.broadcast_to(1 / np.sqrt(np.mean(np.abs(values) ** 2, axis=0)), values.shape).copy()
-    found = Lines(np.asarray(2j * np.pi * frequencies[inside]), values, lines.powers, weights, drive)
-    too_few = Projection(found, factors_of(poles)[0], settings).unknowns > values.size
-    return "its record is too short" if too_few else found
+    of_record = Lines(np.asarray(2j * np.pi * frequencies[inside]), values, lines.powers, weights, drive)
+    too_few = Projection(of_record, factors_of(poles)[0], settings).unknowns > values.size
+    return "its record is too short" if too_few else of_record
 
 
 def fit_record(lines: Lines, start: ComplexArray, settings: Settings, *, automatic: bool) -> RecordFit:
@@ -283,7 +283,9 @@ def _chosen(lines: Lines, start: ComplexArray, settings: Settings) -> ComplexArr
                 candidates.append(poles)
                 left.append(_left(scaled, poles, settings))
             criterion = BicCriterion(scaled, min(left, key=lambda each: float((np.abs(each) ** 2).sum())))
-            values = [criterion.value(each, pole_count(one)) for each, one in zip(left, candidates, strict=True)]
+            values = [
+                criterion.value(each, pole_count(candidate)) for each, candidate in zip(left, candidates, strict=True)
+            ]
             if len(candidates) > int(np.argmin(values)) + MORE_ORDERS + 1:
                 break
         place = int(np.argmin(values))

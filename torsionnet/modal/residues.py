@@ -47,12 +47,12 @@ class Expansion:
 
 def terms(pole: complex, s: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
     """Factors at s (n_f,) of the real and of the imaginary part of a pole's residue, the latter 0 for a real pole."""
-    one = 1 / (s - pole)
+    own = 1 / (s - pole)
     if pole.imag == 0:
-        return one, np.zeros_like(one)
+        return own, np.zeros_like(own)
     # R/(s - lambda) + R^*/(s - lambda^*) = Re R (a + b) + Im R j (a - b), with a and b the two fractions.
-    other = 1 / (s - np.conj(pole))
-    return one + other, 1j * (one - other)
+    conjugate = 1 / (s - np.conj(pole))
+    return own + conjugate, 1j * (own - conjugate)
 
 
 def expand(lines: Lines, poles: ComplexArray, settings: Settings, rows: ComplexArray | None = None) -> Expansion:
@@ -98,12 +98,12 @@ def _solve(
     # Columns of length 1, as those of modes and of residual terms differ by decades.
     size = np.linalg.norm(real, axis=0)
     size[size == 0] = 1.0
-    found = np.linalg.lstsq(real / size, np.concatenate([wanted.real, wanted.imag]))[0] / size
+    solution = np.linalg.lstsq(real / size, np.concatenate([wanted.real, wanted.imag]))[0] / size
     count = len(poles)
     ends = np.zeros((2, len(inputs)))
-    rest = found[2 * count :].reshape(-1, len(inputs))
+    rest = solution[2 * count :].reshape(-1, len(inputs))
     ends[[place for place, has in enumerate((settings.has_lower, settings.has_upper)) if has]] = rest
-    return found[:count] + 1j * found[count : 2 * count], ends
+    return solution[:count] + 1j * solution[count : 2 * count], ends
 
 
 def _columns(
@@ -180,10 +180,12 @@ class Projection:
         """Transfer functions of the fit at its lines, without the transients of a record, (n_f, n_out, n_in)."""
         lines = self.lines
         columns = np.hstack([self._modes(coefficients_of(logarithms)), lines.s[:, None] ** self._end_powers])
-        found = np.empty(lines.values.shape, dtype=complex)
-        for (o, i), (_, _, (_, solution)) in zip(np.ndindex(*found.shape[1:]), self._pairs(logarithms), strict=True):
-            found[:, o, i] = lines.s ** lines.powers[o, i] * (columns @ solution[: columns.shape[1]])
-        return found
+        responses = np.empty(lines.values.shape, dtype=complex)
+        for (o, i), (_, _, (_, solution)) in zip(
+            np.ndindex(*responses.shape[1:]), self._pairs(logarithms), strict=True
+        ):
+            responses[:, o, i] = lines.s ** lines.powers[o, i] * (columns @ solution[: columns.shape[1]])
+        return responses
 
     def without_transients(self, logarithms: FloatArray) -> Lines:
         """Lines of the responses behind a record, without transients and the higher residual terms of the fit.
@@ -259,7 +261,7 @@ class Projection:
         modes = self._modes(coefficients_of(logarithms))
         columns = np.hstack([modes, lines.s[:, None] ** self._end_powers])
         free = np.hstack([modes, lines.s[:, None] ** TRANSIENT_POWERS])
-        found = []
+        pairs = []
         for o, i in np.ndindex(*lines.values.shape[1:]):
             weight = lines.weights[:, o, i]
             factor = weight * lines.s ** lines.powers[o, i] * (1.0 if lines.drive is None else lines.drive)
@@ -273,8 +275,8 @@ class Projection:
             data = np.concatenate([wanted.real, wanted.imag])
             inside = basis.T @ data
             solution = np.linalg.lstsq(triangle, inside)[0] / size
-            found.append((factor, data - basis @ inside, (basis, solution)))
-        return found
+            pairs.append((factor, data - basis @ inside, (basis, solution)))
+        return pairs
 
     @property
     def _end_powers(self) -> NDArray[np.int_]:
@@ -295,23 +297,23 @@ class Projection:
 
     def _values(self, coefficients: FloatArray) -> list[tuple[slice, ComplexArray]]:
         """Slice of the coefficients of each factor of the denominator, and the factor's value at the lines (n_f,)."""
-        s, place, found = self.lines.s, 0, []
+        s, place, factors = self.lines.s, 0, []
         for size in self.sizes:
             own = slice(place, place + size)
-            found.append((own, np.asarray(np.polyval(np.array([1.0, *coefficients[own]]), s))))
+            factors.append((own, np.asarray(np.polyval(np.array([1.0, *coefficients[own]]), s))))
             place += size
-        return found
+        return factors
 
     def _column_derivatives(self, coefficients: FloatArray) -> list[tuple[slice, ComplexArray]]:
         """Slice and derivatives of the fit's columns (n_f, n), by the logarithm of each coefficient."""
-        s, found = self.lines.s, []
+        s, derivatives = self.lines.s, []
         for own, value in self._values(coefficients):
             size = own.stop - own.start
             for number, coefficient in enumerate(coefficients[own]):
                 # d(1/D)/d ln c = -c s^n/D^2 for the coefficient c of s^n.
                 change = -coefficient * s ** (size - 1 - number) / value**2
-                found.append((own, change[:, None] * s[:, None] ** np.arange(size)))
-        return found
+                derivatives.append((own, change[:, None] * s[:, None] ** np.arange(size)))
+        return derivatives
 
 
 def coefficients_of(logarithms: FloatArray) -> FloatArray:

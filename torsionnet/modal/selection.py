@@ -205,7 +205,7 @@ def clusters(diagram: Stabilisation) -> list[Place]:
     low, high = np.abs(diagram.lines.s[[0, -1]])
     enough = diagram.settings.criteria.enough(len(diagram.orders))
     taken: set[Place] = set()
-    found: list[tuple[Place, list[Place]]] = []
+    kept: list[tuple[Place, list[Place]]] = []
     # The longest chains first, so that a pole goes to the mode that stays over most orders.
     for chain in sorted(_chains(diagram), key=len, reverse=True):
         own = [place for place in chain if place not in taken]
@@ -213,20 +213,20 @@ def clusters(diagram: Stabilisation) -> list[Place]:
             continue
         taken.update(own)
         place = _middle(diagram, own)
-        like = [number for number, (other, _) in enumerate(found) if _is_same(diagram, place, other)]
+        like = [number for number, (other, _) in enumerate(kept) if _is_same(diagram, place, other)]
         if like:
             # At one order the shapes of a repeated pole are independent, between orders they are not.
-            chains = [own, *(found[number][1] for number in like)]
+            chains = [own, *(kept[number][1] for number in like)]
             shared = set[int].intersection(*({index for index, _ in chain} for chain in chains))
             if not shared:
                 continue
             last = max(shared)
             place = _at(own, last)
             for number in like:
-                found[number] = _at(found[number][1], last), found[number][1]
+                kept[number] = _at(kept[number][1], last), kept[number][1]
         if low <= abs(_pole(diagram, place)) <= high:
-            found.append((place, own))
-    return [place for place, _ in found]
+            kept.append((place, own))
+    return [place for place, _ in kept]
 
 
 def _at(chain: list[Place], index: int) -> Place:
@@ -357,13 +357,13 @@ def _chosen(response: FrequencyResponse, settings: Settings) -> Stabilisation:
         ("rational", "order", min(DEFAULT_HIGHEST_ORDER["rational"], settings.order)),
         ("lscf", "clusters", settings.order),
     )
-    found: dict[Method, Stabilisation] = {}
+    diagrams: dict[Method, Stabilisation] = {}
     taken: dict[Method, SelectedPoles] = {}
     failure: SolveError | None = None
     for method, rule, order in plans:
         try:
-            found[method] = diagram(response, replace(settings, method=method, highest_order=order))
-            taken[method] = select(found[method], rule)
+            diagrams[method] = diagram(response, replace(settings, method=method, highest_order=order))
+            taken[method] = select(diagrams[method], rule)
         except SolveError as error:
             failure = failure or error
     if not taken:
@@ -372,17 +372,17 @@ def _chosen(response: FrequencyResponse, settings: Settings) -> Stabilisation:
     if len(taken) == 1:
         (only,) = taken
         (other,) = NAMES.keys() - taken.keys()
-        return replace(found[only], choice=f"{NAMES[only]}, since {NAMES[other]} finds no stable pole")
-    better = _advantage(found["rational"], taken["rational"], taken["lscf"])
+        return replace(diagrams[only], choice=f"{NAMES[only]}, since {NAMES[other]} finds no stable pole")
+    better = _advantage(diagrams["rational"], taken["rational"], taken["lscf"])
     best, rest = tuple(NAMES)[:: -1 if better > CLEAR_BIC_DIFFERENCE else 1]
     how = f"{abs(better):.4g} higher" if abs(better) > CLEAR_BIC_DIFFERENCE else "no better"
-    return replace(found[best], choice=f"{NAMES[best]} rather than {NAMES[rest]}, whose BIC is {how}")
+    return replace(diagrams[best], choice=f"{NAMES[best]} rather than {NAMES[rest]}, whose BIC is {how}")
 
 
 def _advantage(diagram: Stabilisation, taken: SelectedPoles, other: SelectedPoles) -> float:
     """BIC of the first choice of poles less that of the second, both with the noise of the better fit."""
     both = (taken, other)
-    left = [weighted_residuals(diagram.lines, one.poles, one.participations, diagram.settings) for one in both]
-    criterion = BicCriterion(diagram.lines, min(left, key=lambda one: float((abs(one) ** 2).sum())))
-    first, second = (criterion.value(rest, pole_count(one.poles)) for rest, one in zip(left, both, strict=True))
+    left = [weighted_residuals(diagram.lines, choice.poles, choice.participations, diagram.settings) for choice in both]
+    criterion = BicCriterion(diagram.lines, min(left, key=lambda residual: float((abs(residual) ** 2).sum())))
+    first, second = (criterion.value(rest, pole_count(choice.poles)) for rest, choice in zip(left, both, strict=True))
     return first - second

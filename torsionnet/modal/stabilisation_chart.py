@@ -112,8 +112,8 @@ def diagram(response: FrequencyResponse, settings: Settings) -> Stabilisation:
     lines = lines_of(response, settings)
     orders: list[Order] = []
     highest = min(settings.order, largest_order(lines, settings))
-    for order, found in enumerate(poles_of_orders(lines, highest, settings), start=1):
-        orders.append(_compared(lines, settings, order, found, orders[-1] if orders else None))
+    for order, fit in enumerate(poles_of_orders(lines, highest, settings), start=1):
+        orders.append(_compared(lines, settings, order, fit, orders[-1] if orders else None))
     if not any(len(order.poles) for order in orders):
         raise SolveError(
             "no order gives a stable pole: the responses look like noise, or like motion ~ exp(-j omega t); "
@@ -124,9 +124,9 @@ def diagram(response: FrequencyResponse, settings: Settings) -> Stabilisation:
 
 
 def _compared(
-    lines: Lines, settings: Settings, order: int, found: tuple[ComplexArray, ComplexArray], before: Order | None
+    lines: Lines, settings: Settings, order: int, fit: tuple[ComplexArray, ComplexArray], before: Order | None
 ) -> Order:
-    poles, rows = found
+    poles, rows = fit
     expansion = expand(lines, poles, settings, rows)
     shapes = _shapes(expansion.residues * lines.balance)
     left = lines.weights * (lines.values - expansion.values(lines.s, lines.powers))

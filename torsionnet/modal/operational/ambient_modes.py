@@ -120,8 +120,8 @@ def modes_from_ambient(
     step = factor / recording.sampling_rate
     # Channels of unlike units and sizes count alike.
     scaled = thinned / np.maximum(thinned.std(axis=1, keepdims=True), np.finfo(float).tiny)
-    found = _subspace(scaled, step, model_order)
-    evidence, poles, errors = _stable(*found, up_to)
+    by_order = _subspace(scaled, step, model_order)
+    evidence, poles, errors = _stable(*by_order, up_to)
     if not len(poles):
         raise SolveError("no mode is stable: record longer, or give a higher order of the model", kind="no-resonance")
     told = [_remark(pole, scaled, step, tuple(orders), speeds, recording.duration) for pole in poles]
@@ -164,10 +164,10 @@ def _subspace(rows: FloatArray, step: float, highest: int) -> tuple[FloatArray, 
     with contextlib.redirect_stderr(io.StringIO()), np.errstate(all="ignore"):  # its bars of progress
         hankel, spread = ssi.build_hank(rows, rows, BLOCK_ROWS, "cov", calc_unc=True, nb=SEGMENTS)
         observed, states, outputs, _ = ssi.SSI_fast(hankel, BLOCK_ROWS, highest)
-        found = ssi.SSI_poles(
+        of_orders = ssi.SSI_poles(
             observed, states, outputs, highest, step, HC=False, calc_unc=True, H=hankel, T=spread
         )  # fmt: skip
-    return found[0], found[1], found[4], found[5]
+    return of_orders[0], of_orders[1], of_orders[4], of_orders[5]
 
 
 def _stable(
@@ -189,8 +189,8 @@ def _stable(
             )
             listed.append((order, f, zeta, frequency_errors[place, order], damping_errors[place, order], same))
         before = here
-    table = np.array([one[:5] for one in listed]).reshape(-1, 5)
-    stable = np.array([one[5] for one in listed], dtype=bool)
+    table = np.array([row[:5] for row in listed]).reshape(-1, 5)
+    stable = np.array([row[5] for row in listed], dtype=bool)
     evidence = AmbientPoles(table[:, 0], _poles(table[:, 1], table[:, 2]), stable)
     # Of the poles of a mode over the orders, that of the smallest error of damping.
     chosen = [group[np.argsort(group[:, 4])[0]] for group in _groups(table[stable]) if len(group) >= STABLE_ORDERS]
@@ -221,17 +221,17 @@ def _remark(
 ) -> tuple[str, bool]:
     """Remark on a pole, and whether it may be an order of the machine."""
     frequency = abs(pole) / (2 * np.pi)
-    found = []
+    remarks = []
     if speeds is not None:
         low, high = np.array(speeds) / (2 * np.pi)
         near = [o for o in orders if low * o * (1 - NEAR_ORDER) <= frequency <= high * o * (1 + NEAR_ORDER)]
-        found += [f"at order {near[0]:g}: it may be no mode"] if near else []
+        remarks += [f"at order {near[0]:g}: it may be no mode"] if near else []
     if _kurtosis(rows, step, frequency) < SINE_KURTOSIS:
-        found.append("vibrates as a sine, not as noise: an order rather than a mode")
-    may_be_order = bool(found)
+        remarks.append("vibrates as a sine, not as noise: an order rather than a mode")
+    may_be_order = bool(remarks)
     if frequency * length < FEWEST_CYCLES:
-        found.append(f"only {frequency * length:.0f} cycles: record longer")
-    return "; ".join(found), may_be_order
+        remarks.append(f"only {frequency * length:.0f} cycles: record longer")
+    return "; ".join(remarks), may_be_order
 
 
 def _kurtosis(rows: FloatArray, step: float, frequency: float) -> float:

@@ -31,15 +31,15 @@ def pencil_poles(values: FloatArray, step: float, highest: int) -> list[ComplexA
     length = max(int(PENCIL_SHARE * len(values)), 2)
     rows = np.lib.stride_tricks.sliding_window_view(values, length + 1)
     right = np.linalg.svd(rows, full_matrices=False)[2]
-    found = []
+    poles = []
     for count in range(1, min(highest, len(right), length) + 1):
         # From the signal's space at some samples to that at the next: eigenvalues z = exp(lambda dt).
         space = right[:count].T
         shifted = np.linalg.lstsq(space[:-1], space[1:], rcond=None)[0]
         inside = np.linalg.eigvals(shifted)
         inside = inside[np.abs(inside) > 0]
-        found.append(np.log(inside.astype(complex)) / step)
-    return found
+        poles.append(np.log(inside.astype(complex)) / step)
+    return poles
 
 
 MOST_POLES = 16
@@ -106,8 +106,8 @@ def _start(
     """Poles of vibrations and real poles (rad/s) with which information is gained at the lowest cost (Schwarz)."""
     best: tuple[float, ComplexArray, FloatArray] = (np.inf, np.zeros(0, dtype=complex), np.zeros(0))
     power, n = float(np.sum((values - values.mean()) ** 2)), len(values)
-    for number, found in enumerate(pencils):
-        vibrating, real = _sorted(found, t)
+    for number, pencil in enumerate(pencils):
+        vibrating, real = _sorted(pencil, t)
         if modes is None:
             vibrating = _steady_poles(vibrating, pencils[number + 1 : number + 3], t)
         elif len(vibrating) < modes:
@@ -144,8 +144,8 @@ def _sorted(poles: ComplexArray, t: FloatArray) -> tuple[ComplexArray, FloatArra
 def _steady_poles(poles: ComplexArray, later: list[ComplexArray], t: FloatArray) -> ComplexArray:
     """Poles that stay with more poles in the pencil."""
     kept = np.ones(len(poles), dtype=bool)
-    for found in later:
-        others = _sorted(found, t)[0]
+    for pencil in later:
+        others = _sorted(pencil, t)[0]
         for place, pole in enumerate(poles):
             frequency = np.abs(np.abs(others) / abs(pole) - 1) < SAME_FREQUENCY
             damping = np.abs(others.real / pole.real - 1) < SAME_DAMPING
@@ -175,21 +175,21 @@ def _refined(
         columns = _columns(t, *at(x))
         return np.asarray(values - columns @ np.linalg.lstsq(columns, values, rcond=None)[0])
 
-    found = least_squares(residuals, np.zeros(len(origin)), jac="3-point", max_nfev=100)
-    final, slow = at(found.x)
+    solution = least_squares(residuals, np.zeros(len(origin)), jac="3-point", max_nfev=100)
+    final, slow = at(solution.x)
     columns = _columns(t, final, slow)
     linear = np.linalg.lstsq(columns, values, rcond=None)[0]
     unknown = columns.shape[1] + len(origin)
     # The residuals have the amplitudes eliminated: their derivatives give the covariance of the poles alone.
-    variance = float(found.fun @ found.fun) / max(len(t) - unknown, 1) * _inflation(found.fun)
-    jacobian = np.asarray(found.jac)
+    variance = float(solution.fun @ solution.fun) / max(len(t) - unknown, 1) * _inflation(solution.fun)
+    jacobian = np.asarray(solution.jac)
     covariance = np.linalg.pinv(jacobian.T @ jacobian) * variance * np.outer(scale, scale)
     rising = np.argsort(np.abs(final))
     both = np.concatenate([rising, rising + count])
     amplitudes = linear[:count] + 1j * linear[count : 2 * count]
     rest = columns[:, 2 * count :] @ linear[2 * count :]
     return ExponentialFit(
-        final[rising], covariance[np.ix_(both, both)], amplitudes[rising], rest, np.asarray(found.fun), pencils
+        final[rising], covariance[np.ix_(both, both)], amplitudes[rising], rest, np.asarray(solution.fun), pencils
     )
 
 

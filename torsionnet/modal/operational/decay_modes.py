@@ -225,7 +225,7 @@ def _cycle_amplitudes(
     """Middles in s, amplitudes there, and their standard errors, of each whole cycle, (n_cycles,)."""
     period = 2 * np.pi / pole.imag
     edges = times[0] + period * np.arange(int((times[-1] - times[0]) / period) + 1)
-    found = []
+    cycles = []
     for begin in edges[:-1]:
         first, last = np.searchsorted(times, [begin, begin + period])
         if last - first < FEWEST_SAMPLES:
@@ -233,18 +233,18 @@ def _cycle_amplitudes(
         # The mode's own wave over one cycle, so that the amplitude found is that in the middle of the cycle.
         wave = np.exp(pole * (times[first:last] - begin - period / 2))
         parts = np.linalg.lstsq(np.stack([wave.real, -wave.imag], axis=1), values[first:last], rcond=None)[0]
-        found.append((begin + period / 2, float(np.hypot(*parts)), noise * np.sqrt(2 / (last - first))))
-    middle, size, error = np.array(found).reshape(-1, 3).T
+        cycles.append((begin + period / 2, float(np.hypot(*parts)), noise * np.sqrt(2 / (last - first))))
+    middle, size, error = np.array(cycles).reshape(-1, 3).T
     return middle, size, error
 
 
 def _regression(x: FloatArray, y: FloatArray, weights: FloatArray, degree: int) -> tuple[FloatArray, FloatArray]:
     """Coefficients of a polynomial, lowest power first, and their covariance."""
     columns = np.vander(x, degree + 1, increasing=True) * weights[:, None]
-    found = np.linalg.lstsq(columns, y * weights, rcond=None)[0]
-    left = y * weights - columns @ found
+    coefficients = np.linalg.lstsq(columns, y * weights, rcond=None)[0]
+    left = y * weights - columns @ coefficients
     variance = float(left @ left) / max(len(x) - degree - 1, 1)
-    return np.asarray(found), np.asarray(np.linalg.inv(columns.T @ columns) * variance)
+    return np.asarray(coefficients), np.asarray(np.linalg.inv(columns.T @ columns) * variance)
 
 
 FEWEST_CYCLES = 3.0

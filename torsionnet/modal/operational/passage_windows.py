@@ -123,10 +123,12 @@ def passage_windows(
     weights = _hann(turned, middles, revolutions)
     # Without mean and drift; the amplitude of order o is twice the weighted mean of x exp(-j o phi).
     straight = values - np.polynomial.Polynomial.fit(times, values, 1)(times)
-    found = np.array([2 * (weights @ (straight * np.exp(-1j * order * angle))) for order in orders])
+    amplitudes = np.array([2 * (weights @ (straight * np.exp(-1j * order * angle))) for order in orders])
     rate = np.gradient(turned, times)
     frequencies = orders[0] * np.asarray(weights @ rate)
-    return PassageWindows(tuple(orders), times, angle, weights, found, frequencies, _whitening(weights), revolutions)
+    return PassageWindows(
+        tuple(orders), times, angle, weights, amplitudes, frequencies, _whitening(weights), revolutions
+    )
 
 
 def _hann(turned: FloatArray, middles: NDArray[np.floating[Any]], length: float) -> csr_matrix:
@@ -137,10 +139,10 @@ def _hann(turned: FloatArray, middles: NDArray[np.floating[Any]], length: float)
     rows, columns, parts = [], [], []
     for row, middle in enumerate(middles):
         first, last = np.searchsorted(turned, [middle - length / 2, middle + length / 2])
-        one = (0.5 + 0.5 * np.cos(2 * np.pi * (turned[first:last] - middle) / length)) * share[first:last]
+        window = (0.5 + 0.5 * np.cos(2 * np.pi * (turned[first:last] - middle) / length)) * share[first:last]
         rows.append(np.full(last - first, row))
         columns.append(np.arange(first, last))
-        parts.append(one / one.sum())
+        parts.append(window / window.sum())
     places = (np.concatenate(rows), np.concatenate(columns))
     return csr_matrix((np.concatenate(parts), places), shape=(len(middles), len(turned)))
 
@@ -198,10 +200,10 @@ def tracked_windows(
         reach = kernel.reach(speed, order) or fine[1] - fine[0]
         begin, end = np.searchsorted(fine, [time - reach, time + reach])
         near = fine[begin:end] - time
-        one = kernel.weights(near, speed, order) if kernel.known else 1 - np.abs(near) / reach
+        window = kernel.weights(near, speed, order) if kernel.known else 1 - np.abs(near) / reach
         rows.append(np.full(end - begin, row))
         columns.append(np.arange(begin, end))
-        parts.append(one / one.sum())
+        parts.append(window / window.sum())
     weights = csr_matrix((np.concatenate(parts), (np.concatenate(rows), np.concatenate(columns))), (len(times), steps))
     alone = not np.abs(values.imag).any() if amplitudes_only is None else amplitudes_only
     return PassageWindows(

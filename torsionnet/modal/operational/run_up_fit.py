@@ -177,16 +177,16 @@ class _Passage:
         self.windows, self.derivative = windows, derivative
         self.sweeps = [sweep_of(windows.times, windows.angle, order, excitation) for order in windows.orders]
         self.fixed = [self._fixed(sweep, background) for sweep in self.sweeps]
-        self.data = [_times(windows.whitening, one) for one in windows.values]
+        self.data = [_times(windows.whitening, order_values) for order_values in windows.values]
 
     def _fixed(self, sweep: SpeedSweep, background: int) -> FloatArray:
         middle, width = sweep.speed.mean(), np.ptp(sweep.speed) / 2 or 1.0
         powers = [sweep.excitation * ((sweep.speed - middle) / width) ** power for power in range(background + 1)]
-        return np.asarray(np.stack([self.windows.weights @ one for one in powers], axis=1))
+        return np.asarray(np.stack([self.windows.weights @ power for power in powers], axis=1))
 
     def mode(self, pole: complex) -> list[ComplexArray]:
         """Response of a mode in each order, (n_orders, n_windows), to the excitation of each order, relative."""
-        found = []
+        responses = []
         for sweep in self.sweeps:
             response = swept_response(pole, sweep, self.derivative)
             rows = [
@@ -194,13 +194,13 @@ class _Passage:
                 else self.windows.weights @ response
                 for other in self.sweeps
             ]  # fmt: skip
-            found.append(np.array(rows, dtype=np.complex128))
-        return found
+            responses.append(np.array(rows, dtype=np.complex128))
+        return responses
 
     def columns(self, poles: ComplexArray) -> ComplexArray:
         """Matrix (n_orders n_windows, n_columns) of the fit, not yet whitened."""
         count, size = len(self.sweeps), self.windows.values.shape[1]
-        columns = [one.reshape(-1) for pole in poles for one in self.mode(pole)]
+        columns = [response.reshape(-1) for pole in poles for response in self.mode(pole)]
         for place, fixed in enumerate(self.fixed):
             for column in fixed.T:
                 block = np.zeros((count, size), dtype=complex)
@@ -272,7 +272,8 @@ def _started(passage: _Passage, windows: PassageWindows, modes: int) -> FloatArr
         (2 * np.pi * f, zeta) for f in np.linspace(low, high, START_FREQUENCIES + 2)[1:-1] for zeta in START_DAMPING
     ]
     candidates = [
-        np.stack([one.reshape(-1) for one in passage.mode(complex(_poles(np.log(g))[0]))], axis=1) for g in grid
+        np.stack([response.reshape(-1) for response in passage.mode(complex(_poles(np.log(g))[0]))], axis=1)
+        for g in grid
     ]
     data = np.concatenate(passage.data)
     columns = passage.whitened(passage.columns(np.zeros(0, dtype=complex)))
@@ -282,8 +283,8 @@ def _started(passage: _Passage, windows: PassageWindows, modes: int) -> FloatArr
         basis = np.linalg.qr(columns)[0]
         left = data - basis @ (basis.conj().T @ data)
         gains = []
-        for one in candidates:
-            new = passage.whitened(one)
+        for candidate in candidates:
+            new = passage.whitened(candidate)
             new = new - basis @ (basis.conj().T @ new)
             part = np.linalg.qr(new)[0]
             gains.append(float(np.linalg.norm(part.conj().T @ left)))
@@ -308,8 +309,8 @@ def _projected(passage: _Passage, start: FloatArray) -> tuple[FloatArray, FloatA
         left = solved(at)[0]
         return np.concatenate([left.real, left.imag])
 
-    found = _least_squares(residuals, start, len(start))
-    return np.asarray(found.x), np.asarray(found.jac), np.asarray(found.fun), solved(found.x)[1]
+    solution = _least_squares(residuals, start, len(start))
+    return np.asarray(solution.x), np.asarray(solution.jac), np.asarray(solution.fun), solved(solution.x)[1]
 
 
 def _amplitudes(passage: _Passage, start: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, ComplexArray]:
@@ -329,8 +330,8 @@ def _amplitudes(passage: _Passage, start: FloatArray) -> tuple[FloatArray, Float
         fitted = passage.columns(_poles(at[:count])) @ amplitudes(at)
         return np.asarray((size - np.abs(fitted)) / scale)
 
-    found = _least_squares(residuals, np.concatenate([start, relative, np.zeros(len(gains))]), count)
-    return np.asarray(found.x[:count]), np.asarray(found.jac), np.asarray(found.fun), amplitudes(found.x)
+    solution = _least_squares(residuals, np.concatenate([start, relative, np.zeros(len(gains))]), count)
+    return np.asarray(solution.x[:count]), np.asarray(solution.jac), np.asarray(solution.fun), amplitudes(solution.x)
 
 
 def _least_squares(residuals: Any, start: FloatArray, count: int) -> Any:

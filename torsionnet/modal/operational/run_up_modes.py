@@ -151,21 +151,21 @@ def _steady(
     omega = 2 * np.pi * at
     sweep = sweep_of(windows.times, windows.angle, windows.orders[0], excitation)
     growth = np.ones(len(omega)) if excitation == "constant" else (omega / np.abs(sweep.speed).max()) ** 2
-    found = []
+    responses = []
     for pole, part in zip(fit.poles, fit.parts[:, 0], strict=True):
         swept = windows.weights @ swept_response(pole, sweep, derivative)
         # Amplitude of the mode's excitation by least squares over the windows.
         gain = np.vdot(swept, part) / np.vdot(swept, swept)
         # |lambda|^2/((j omega - lambda)(j omega - lambda^*)), over the static response.
         compliance = abs(pole) ** 2 / ((1j * omega - pole) * (1j * omega - pole.conjugate()))
-        found.append(gain * growth * compliance * (1j * omega) ** derivative)
-    return at, np.array(found)
+        responses.append(gain * growth * compliance * (1j * omega) ** derivative)
+    return at, np.array(responses)
 
 
 def _notes(fit: RunUpFit, windows: PassageWindows, excitation: Excitation, derivative: int) -> list[NoteOrText]:
     pole = fit.poles[int(np.abs(fit.parts[:, 0]).max(axis=1).argmax())]
     f0, zeta = abs(pole) / (2 * np.pi), -pole.real / abs(pole)
-    found: list[NoteOrText] = []
+    remarks: list[NoteOrText] = []
     sweep = sweep_of(windows.times, windows.angle, windows.orders[0], excitation)
     passed = int(np.abs(np.abs(sweep.speed) - abs(pole)).argmin())
     rate = abs(float(np.gradient(sweep.speed, sweep.step)[passed])) / (2 * np.pi)
@@ -175,20 +175,20 @@ def _notes(fit: RunUpFit, windows: PassageWindows, excitation: Excitation, deriv
         # Peak of a steady receptance over the static one, 1/(2 zeta sqrt(1 - zeta^2)).
         steady = 1 / (2 * zeta * np.sqrt(1 - zeta**2)) * abs(pole) ** derivative
         peak = _share_apart(read.peak / (steady * sweep.excitation[passed]))
-        found.append(
+        remarks.append(
             f"the order passes {f0:.4g} Hz at {rate:.3g} Hz/s: peak and half power, read as of a steady response, "
             f"would give {read.frequency:.4g} Hz, damping ratio {read.damping_ratio:.3g} and a peak {peak}"
         )
     if fit.misfit > GREAT_MISFIT:
-        found.append(
+        remarks.append(
             warning(
                 f"the fit leaves {fit.misfit:.0%} of the amplitude (RMS): noise, more modes in the band, or an "
                 "excitation that changes with speed in another way"
             )
         )
     if windows.amplitudes_only:
-        found.append("amplitudes alone are fitted, phases are not known")
-    return found
+        remarks.append("amplitudes alone are fitted, phases are not known")
+    return remarks
 
 
 def _share_apart(ratio: float) -> str:
@@ -204,12 +204,12 @@ def _remarks(windows: PassageWindows, f: float, zeta: float, error: float) -> li
             f"{windows.orders[0]:g} runs through: the resonance is not passed",
             kind="no-resonance",
         )
-    found = []
+    remarks = []
     if not low < f * (1 - zeta) < f * (1 + zeta) < high:
-        found.append("its half-power width is not passed as a whole")
+        remarks.append("its half-power width is not passed as a whole")
     if error > 0.5:
-        found.append("damping is hardly determined")
-    return found
+        remarks.append("damping is hardly determined")
+    return remarks
 
 
 BELOW_PEAK, ABOVE_PEAK = 0.6, 1.7
@@ -392,7 +392,7 @@ def _band(windows: PassageWindows) -> tuple[float, float]:
     from scipy.signal import find_peaks
 
     size, at = np.abs(windows.values[0]), windows.frequencies
-    places, found = find_peaks(size, prominence=PROMINENT * size.max())
+    places, peaks = find_peaks(size, prominence=PROMINENT * size.max())
     if not len(places):
         end = "highest" if at[size.argmax()] > (at.min() + at.max()) / 2 else "lowest"
         raise SolveError(
@@ -400,7 +400,7 @@ def _band(windows: PassageWindows) -> tuple[float, float]:
             "frequency: the resonance is not passed. Record a wider range of speed, or take another order",
             kind="no-resonance",
         )
-    peak = at[places[found["prominences"].argmax()]]
+    peak = at[places[peaks["prominences"].argmax()]]
     return max(float(at.min()), BELOW_PEAK * peak), min(float(at.max()), ABOVE_PEAK * peak)
 
 
