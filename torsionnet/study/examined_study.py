@@ -68,14 +68,14 @@ def quantity_model_faults(
     model: Drivetrain, configurations: Sequence[str], quantities: Mapping[str, StudyQuantity]
 ) -> list[Fault]:
     """Faults of quantities that cannot be calculated in a configuration."""
-    found: dict[tuple[object, str], list[tuple[str, Fault]]] = {}
+    placed_faults: dict[tuple[object, str], list[tuple[str, Fault]]] = {}
     for configuration in configurations:
         here = model.configured(configuration) if configuration else model
         for name, quantity in quantities.items():
             for fault in quantity.model_faults(here, quantities):
                 placed = fault.under("quantities", name)
-                found.setdefault((placed.path, placed.message), []).append((configuration, placed))
-    return [_said(same, len(configurations)) for same in found.values()]
+                placed_faults.setdefault((placed.path, placed.message), []).append((configuration, placed))
+    return [_said(same, len(configurations)) for same in placed_faults.values()]
 
 
 def wrong_units(
@@ -113,8 +113,10 @@ def space_faults(space: Space, models: Mapping[str, Model]) -> list[Fault]:
     faults: list[Fault] = []
     spaces: dict[str, Space] = {}
     for name, model in models.items():
-        there, found = Space.of(space.entries, model)
-        faults += [replace(one, configuration=name) for one in found if (one.path, one.message) not in known]
+        there, faults_there = Space.of(space.entries, model)
+        faults += [
+            replace(fault, configuration=name) for fault in faults_there if (fault.path, fault.message) not in known
+        ]
         if there is not None:
             spaces[name] = there
     return faults + _overruled(spaces)
@@ -194,25 +196,25 @@ def examine_study(model: Drivetrain, given: Mapping[str, Any]) -> ExaminedStudy:
     """Check of the entries of a study against its model, which returns the sound entries and all faults."""
     values, faults = StudyEntries.read_entries(given)
     model = model.with_entries_named(values.get("vary") or ())
-    configurations, found = chosen_configurations(values.get("configurations") or (), model)
-    faults += found
-    space, found = _space(model, given, values)
-    faults += found
-    if space is not None and all(fault.severity != "error" for fault in found):
+    configurations, further = chosen_configurations(values.get("configurations") or (), model)
+    faults += further
+    space, further = _space(model, given, values)
+    faults += further
+    if space is not None and all(fault.severity != "error" for fault in further):
         faults += space_faults(space, {name: model.configured(name) for name in configurations if name})
     asked: Mapping[str, StudyQuantity] = values.get("quantities") or {}
     named = table_names(given, "quantities")
     # A quantity that the file has, but that cannot be read, is not unknown.
-    found = [
+    further = [
         fault
         for fault in quantity_model_faults(model, configurations, asked)
         if fault.kind not in UNKNOWN_NAMES or fault.about not in named
     ]
-    faults += found
-    quantities = _sound_quantities(asked, found)
+    faults += further
+    quantities = _sound_quantities(asked, further)
     faults += name_conflicts(named, table_names(given, "vary"))
     faults += unknown_limits(table_names(given, "limits"), named)
-    limits = {name: one for name, one in (values.get("limits") or {}).items() if name in quantities}
+    limits = {name: limit for name, limit in (values.get("limits") or {}).items() if name in quantities}
     faults += wrong_units(model, configurations, quantities, limits)
     return ExaminedStudy(model, given, values, configurations or ("",), space, quantities, limits, tuple(faults))
 
@@ -230,20 +232,26 @@ def _space(model: Drivetrain, given: Mapping[str, Any], values: Mapping[str, Any
     entries = SpaceEntries(vary=vary, correlation=correlation if is_whole else (), sampling=sampling)
     space, faults = Space.of(entries, model)
     if not is_whole:
-        random = [*unread, *(name for name, one in vary.items() if one.is_random)]
+        random = [*unread, *(name for name, variation in vary.items() if variation.is_random)]
         wrong = name_faults(correlation, random, [name for name in vary if name not in random])
         faults += [fault.under("correlation") for fault in wrong]
     if space is not None:
         return space, faults
-    sound = {name: one for name, one in vary.items() if not any(fault.path[:2] == ("vary", name) for fault in faults)}
+    sound = {
+        name: variation
+        for name, variation in vary.items()
+        if not any(fault.path[:2] == ("vary", name) for fault in faults)
+    }
     return (Space.of(SpaceEntries(vary=sound), model)[0] if sound else None), faults
 
 
 def _sound_quantities(asked: Mapping[str, StudyQuantity], faults: list[Fault]) -> dict[str, StudyQuantity]:
     """Quantities of a study that have no fault and are not calculated from one with a fault."""
-    sound = {name: one for name, one in asked.items() if not any(fault.path[1:2] == (name,) for fault in faults)}
-    while lost := [name for name, one in sound.items() if not sound.keys() >= {*one.parts}]:
-        sound = {name: one for name, one in sound.items() if name not in lost}
+    sound = {
+        name: quantity for name, quantity in asked.items() if not any(fault.path[1:2] == (name,) for fault in faults)
+    }
+    while lost := [name for name, quantity in sound.items() if not sound.keys() >= {*quantity.parts}]:
+        sound = {name: quantity for name, quantity in sound.items() if name not in lost}
     return sound
 
 
@@ -289,5 +297,5 @@ def answer_faults(study: AskedStudy, answers: Mapping[str, StudyAnswer], *, is_w
     Of a study with other faults only faults of single entries are given: what an answer lacks altogether may be an
     entry that has a fault.
     """
-    faults = [fault.under("answers", name) for name, one in answers.items() for fault in one.study_faults(study)]
+    faults = [fault.under("answers", name) for name, answer in answers.items() for fault in answer.study_faults(study)]
     return faults if is_whole else [fault for fault in faults if len(fault.path) > 2]

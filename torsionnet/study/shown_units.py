@@ -48,7 +48,7 @@ class ShownUnits:
         """Factor by which a parameter or quantity in SI is multiplied to be shown in its unit."""
         si = self.si.get(name, "") if si is None else si
         shown = self.unit(name, si)
-        factors = [_factor(one) if one else 1.0 for one in (si, shown)]
+        factors = [_factor(unit) if unit else 1.0 for unit in (si, shown)]
         return factors[0] / factors[1] if factors[0] and factors[1] else 1.0
 
 
@@ -88,7 +88,11 @@ def shown_units(study: AskedStudy, conventions: Conventions | None = None) -> Sh
         if unit and _is_of(unit, si[name]):
             written[name] = unit
     for name, limit in study.limits.items():
-        units = [one.unit for one in (limit.below, limit.above) if isinstance(one, ValueInUnit) and one.unit]
+        units = [
+            limit_side.unit
+            for limit_side in (limit.below, limit.above)
+            if isinstance(limit_side, ValueInUnit) and limit_side.unit
+        ]
         if units and _is_of(units[0], si[name]):
             written[name] = units[0]
     limited = " ".join(written.get(name, "") for name in study.limits)
@@ -100,8 +104,8 @@ def _units(variation: Variation) -> Iterator[str]:
     """Yield the units written behind the values of a variation, except percent."""
     for key, _ in variation.specs():
         value = getattr(variation, key)
-        for one in value if isinstance(value, tuple) else (value,):
-            if (unit := _unit(one)) and unit != "%":
+        for written in value if isinstance(value, tuple) else (value,):
+            if (unit := _unit(written)) and unit != "%":
                 yield unit
 
 

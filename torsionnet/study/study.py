@@ -75,8 +75,8 @@ class Study(NotebookResult):
     def table(self) -> Table:
         """Table of the parameters that vary, the quantities asked of every variant, and the answers."""
         rows = [(name, "varies", "") for name in self.space.names]
-        rows += [(name, "quantity", one.kind) for name, one in self.quantities.items()]
-        rows += [(name, "answer", one.kind) for name, one in self.answers.items()]
+        rows += [(name, "quantity", quantity.kind) for name, quantity in self.quantities.items()]
+        rows += [(name, "answer", answer.kind) for name, answer in self.answers.items()]
         count = f"{self.count} variants" + (f", seed {self.seed}" if self.seed is not None else "")
         return Table(f"{self.title}: {count}", (Column("name"), Column("is"), Column("type")), tuple(rows))
 
@@ -215,7 +215,7 @@ def define(
         "limits": limits,
         "answers": answers,
     }
-    study, faults = study_of(model, {"model": model.name, **{key: one for key, one in given.items() if one}})
+    study, faults = study_of(model, {"model": model.name, **{key: entry for key, entry in given.items() if entry}})
     if study is None:
         raise ModelError([fault for fault in faults if fault.severity == "error"], name or "the study")
     return study
@@ -275,10 +275,12 @@ def load_study(path: str | os.PathLike[str]) -> Study:
         )
     faults = [*document.faults, *version_faults(document.data, "study")]
     name = document.data.get("model")
-    model, found = _model(str(name), file.parent) if isinstance(name, str) else (None, [])
-    faults += found
-    study, found = study_of(model, document.data) if model is not None else (None, StudyEntries.read(document.data)[1])
-    faults += found
+    model, further = _model(str(name), file.parent) if isinstance(name, str) else (None, [])
+    faults += further
+    study, further = (
+        study_of(model, document.data) if model is not None else (None, StudyEntries.read(document.data)[1])
+    )
+    faults += further
     errors = [fault for fault in faults if fault.severity == "error"]
     if errors or study is None:
         raise ModelError(located_faults(errors, document), file.name)

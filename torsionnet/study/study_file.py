@@ -30,8 +30,8 @@ class SomeConfigurations(Composite[tuple[str, ...]], Plural[tuple[str, ...]]):
     absent: ClassVar[Any] = ()
 
     def read(self, raw: object) -> tuple[tuple[str, ...], list[Fault]]:
-        found: tuple[tuple[str, ...], list[Fault]] = _NAMES.read(raw if isinstance(raw, list | tuple) else [raw])
-        return found
+        names: tuple[tuple[str, ...], list[Fault]] = _NAMES.read(raw if isinstance(raw, list | tuple) else [raw])
+        return names
 
     def plain(self, value: Any) -> Json:
         return list(value)
@@ -104,17 +104,17 @@ def chosen_configurations(asked: Sequence[str], model: Model) -> tuple[tuple[str
     if tuple(asked) == (ALL,):
         return model.configurations or ("",), []
     faults: list[Fault] = []
-    found: list[str] = []
+    names: list[str] = []
     for place, written in enumerate(asked):
         for name in _expanded(written, model.axes):
             try:
                 if name:
                     model.configured(name)
-                found.append(name)
+                names.append(name)
             except TorsionnetError as error:
                 faults.append(replace(fault_of(error, error.kind), path=("configurations", place)))
                 break
-    return tuple(dict.fromkeys(found)), faults
+    return tuple(dict.fromkeys(names)), faults
 
 
 def _expanded(written: str, axes: Mapping[str, Sequence[str]]) -> Iterator[str]:

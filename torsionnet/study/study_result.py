@@ -65,18 +65,18 @@ def labelled_variants(
     cases = list(parameters)
     variables: dict[str, Any] = {}
     coordinates: dict[str, Any] = {"configuration": cases, "percentile": list(percentiles)}
-    for (case, name), one in summaries.items():
+    for (case, name), summary in summaries.items():
         if case != cases[0]:
             continue
-        unit = {"units": one.measure.unit}
+        unit = {"units": summary.measure.unit}
         if (case, name) in values:
             variables[name] = ("configuration", "variant"), np.stack([values[each, name] for each in cases]), unit
         elif (case, name) in bands:
-            axis = f"{one.measure.over}_of_{name}"
+            axis = f"{summary.measure.over}_of_{name}"
             coordinates[axis] = (
                 axis,
-                one.measure.points,
-                {"units": "Hz" if one.measure.over == "frequency" else "rad/s"},
+                summary.measure.points,
+                {"units": "Hz" if summary.measure.over == "frequency" else "rad/s"},
             )
             stacked = np.stack([bands[each, name] for each in cases])
             variables[name] = ("configuration", "percentile", axis), stacked, unit
@@ -108,8 +108,8 @@ class StatisticsRecord:
 
 def read_notes(study: AskedStudy, read: Mapping[str, FloatArray]) -> tuple[str, ...]:
     """Notes on tables over frequency that are read beyond their rows, from the frequencies (2,) by configuration."""
-    found = {name: at for name, at in read.items() if np.isfinite(at).any()}
-    notes = (note for name, at in found.items() for note in range_notes(study.model_in(name).assembly, at))
+    read_at = {name: at for name, at in read.items() if np.isfinite(at).any()}
+    notes = (note for name, at in read_at.items() for note in range_notes(study.model_in(name).assembly, at))
     return tuple(dict.fromkeys(notes))
 
 
@@ -241,10 +241,10 @@ class StudyResult(NotebookResult):
         columns += [Column("standard deviation"), Column("smallest")]
         columns += [Column(f"{share:g} %") for share in SHOWN] + [Column("largest"), Column("largest at variant")]
         rows = []
-        for (case, name), one in self.summaries.items():
-            if one.measure.is_curve:
+        for (case, name), summary in self.summaries.items():
+            if summary.measure.is_curve:
                 continue
-            m = one.moments
+            m = summary.moments
             shares = self.percentiles(name, SHOWN, case)[:, 0]
             numbers = [
                 float(m.mean[0]),
@@ -254,7 +254,7 @@ class StudyResult(NotebookResult):
                 float(m.largest[0]),
             ]
             known = [number if np.isfinite(number) else None for number in numbers]
-            rows.append((name, case, one.measure.unit, int(m.count[0]), *known, int(m.largest_at[0])))
+            rows.append((name, case, summary.measure.unit, int(m.count[0]), *known, int(m.largest_at[0])))
         chosen = [n for n in range(len(columns)) if n != 1 or any(row[1] for row in rows)]
         return Table(self.study.title, tuple(columns), tuple(rows), self.notes).chosen(chosen)
 
@@ -272,15 +272,15 @@ class StudyResult(NotebookResult):
             texts.append(f"values of single variants are kept of {self.kept.words(self.study.count)}")
         texts += read_notes(self.study, self.read)
         total: Counter[str] = Counter()
-        for one in self.remarks.values():
-            total.update(one)
+        for remarks in self.remarks.values():
+            total.update(remarks)
         return (*texts, *(f"{text} ({count} variants)" for text, count in total.most_common()))
 
     def _missing(self) -> list[str]:
         """Notes on quantities without a finite value in some variants that the model accepts."""
         lacking: Counter[str] = Counter()
-        for (case, name), one in self.summaries.items():
-            lacking[name] += self.study.space.count - self.impossible.get(case, 0) - int(one.moments.count.max())
+        for (case, name), summary in self.summaries.items():
+            lacking[name] += self.study.space.count - self.impossible.get(case, 0) - int(summary.moments.count.max())
         return [
             f"{name} has no finite value in {count} of {self.study.count} variants"
             for name, count in lacking.items()
@@ -291,7 +291,8 @@ class StudyResult(NotebookResult):
         """Statistics of the study in full precision for JSON, without the values of single variants."""
         every, study = self.kept.every, self.study
         rows = tuple(
-            one.row(name, case, self.percentiles(name, SHOWN, case)) for (case, name), one in self.summaries.items()
+            summary.row(name, case, self.percentiles(name, SHOWN, case))
+            for (case, name), summary in self.summaries.items()
         )
         return StatisticsRecord(
             study.count, study.seed, study.model.title, __version__, SHOWN, rows, self.notes,
@@ -310,15 +311,15 @@ class StudyResult(NotebookResult):
         """
         cases, every = self.study.configurations, self.kept.every
         indices = np.arange(0, self.study.space.count, every)
-        found: dict[str, NDArray[Any]] = {}
+        columns: dict[str, NDArray[Any]] = {}
         if any(cases):
-            found["configuration"] = np.repeat(np.array(cases), len(indices))
+            columns["configuration"] = np.repeat(np.array(cases), len(indices))
         if every > 1:
-            found["variant"] = np.tile(indices, len(cases))
+            columns["variant"] = np.tile(indices, len(cases))
         drawn = [self.kept_parameters(case) for case in cases]
-        found |= {name: np.concatenate([one[name] for one in drawn]) for name in self.study.space.names}
+        columns |= {name: np.concatenate([values[name] for values in drawn]) for name in self.study.space.names}
         numbers = [name for name in self.study.quantities if not self.summaries[cases[0], name].measure.is_curve]
-        return found | {name: np.concatenate([self.kept_values(name, case) for case in cases]) for name in numbers}
+        return columns | {name: np.concatenate([self.kept_values(name, case) for case in cases]) for name in numbers}
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a CSV file with a line for every kept variant, in SI and full precision."""
@@ -346,12 +347,12 @@ class StudyResult(NotebookResult):
 
     def to_xarray(self) -> Any:
         """Result as an ``xarray.Dataset`` in SI, numbers over configuration and variant, curves as percentiles."""
-        curves = [key for key, one in self.summaries.items() if one.measure.is_curve]
+        curves = [key for key, summary in self.summaries.items() if summary.measure.is_curve]
         bands = {(case, name): self.percentiles(name, SHOWN, case) for case, name in curves}
         parameters = {case: self.kept_parameters(case) for case in self.study.configurations}
-        found = labelled_variants(self.summaries, self._numbers, bands, SHOWN, parameters, self._about)
+        dataset = labelled_variants(self.summaries, self._numbers, bands, SHOWN, parameters, self._about)
         indices = np.arange(0, self.study.space.count, self.kept.every)
-        return found if self.kept.every == 1 else found.assign_coords(variant=indices)
+        return dataset if self.kept.every == 1 else dataset.assign_coords(variant=indices)
 
     @property
     def _about(self) -> dict[str, Any]:

@@ -171,14 +171,14 @@ def unknown_names(
     >>> [(fault.path, fault.message) for fault in faults]
     [(('limits', 1), 'no limit is named "peek"; did you mean "peak"? there are peak, f_2')]
     """
-    found = []
+    faults = []
     for key, what in naming.items():
         there = list(known[what])
         rest = f"there are {', '.join(there)}" if there and what != PARAMETER else ""
         for name, path, on_key in _names(key, entries.get(key)):
             if name not in there:
-                found.append(unknown_name(what, name, there, path, on_key=on_key, rest=rest))
-    return found
+                faults.append(unknown_name(what, name, there, path, on_key=on_key, rest=rest))
+    return faults
 
 
 def _names(key: str, value: Any) -> Iterator[tuple[str, EntryPath, bool]]:
@@ -301,14 +301,16 @@ def plain_data(value: Any) -> Any:
     """Conversion of a value to JSON data, dataclasses and mappings to dictionaries, arrays and tuples to lists."""
     if is_dataclass(value):
         return {
-            one.name: plain_data(getattr(value, one.name)) for one in fields(value) if not one.metadata.get("in_words")
+            field_of.name: plain_data(getattr(value, field_of.name))
+            for field_of in fields(value)
+            if not field_of.metadata.get("in_words")
         }
     if isinstance(value, Mapping):
         keys = (", ".join(map(str, key)) if isinstance(key, tuple) else str(key) for key in value)
         return dict(zip(keys, map(plain_data, value.values()), strict=True))
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
-    return [plain_data(one) for one in value] if isinstance(value, tuple | list) else value
+    return [plain_data(entry) for entry in value] if isinstance(value, tuple | list) else value
 
 
 # Case of an answer, a configuration of a study with its evaluator and space, for answers that choose variants.

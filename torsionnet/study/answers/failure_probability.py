@@ -38,8 +38,8 @@ def failure_margin(case: AnswerCase, limits: dict[str, QuantityLimit]) -> OfPoin
     names = tuple(limits)
 
     def margin(points: FloatArray) -> FloatArray:
-        found = case.calculated(case.space.from_standard_normal(points), names)
-        return np.asarray(np.min([limit_distance(limits[name], found[name]) for name in names], axis=0))
+        values = case.calculated(case.space.from_standard_normal(points), names)
+        return np.asarray(np.min([limit_distance(limits[name], values[name]) for name in names], axis=0))
 
     return margin
 
@@ -57,8 +57,8 @@ def limit_distance(limit: QuantityLimit, values: FloatArray) -> FloatArray:
     """
     sides = [(1, limit.above), (-1, limit.below)]
     size = max(abs(side) for _, side in sides if side is not None) or 1.0
-    found = np.min([sign * (values - side) / size for sign, side in sides if side is not None], axis=0)
-    return np.asarray(found if found.ndim == 1 else found.min(axis=1))
+    distances = np.min([sign * (values - side) / size for sign, side in sides if side is not None], axis=0)
+    return np.asarray(distances if distances.ndim == 1 else distances.min(axis=1))
 
 
 IMPORTANCE, SUBSET = "importance", "subset"
@@ -121,12 +121,12 @@ class FailureProbability(StudyAnswer):
     def conclude(self, study: AskedStudy, result: VariantValues | None = None) -> FailureProbabilityResult:
         del result
         names = self.limits or tuple(study.limits)
-        found = {}
+        events = {}
         for case in answer_cases(study):
             margin = failure_margin(case, {name: study.limits[name] for name in names})
-            found[case.label] = self._sampled(margin, len(case.space.random_names))
+            events[case.label] = self._sampled(margin, len(case.space.random_names))
         return FailureProbabilityResult(
-            study.title, " or ".join(limit_words(study, name) for name in names), found, self.confidence
+            study.title, " or ".join(limit_words(study, name) for name in names), events, self.confidence
         )
 
     def _sampled(self, margin: OfPoints, n_parameters: int) -> RareEvent:
@@ -152,9 +152,9 @@ class FailureProbabilityResult(PlainConclusion):
     @property
     def sentences(self) -> tuple[str, ...]:
         said = []
-        for case, one in self.events.items():
-            said.append(f"{self.beyond}, {case}: probability {one.words}")
-            said += [f"{case}: not to be trusted: {reason}" for reason in one.doubts]
+        for case, event in self.events.items():
+            said.append(f"{self.beyond}, {case}: probability {event.words}")
+            said += [f"{case}: not to be trusted: {reason}" for reason in event.doubts]
         return tuple(said)
 
     def table(self) -> Table:
@@ -163,9 +163,9 @@ class FailureProbabilityResult(PlainConclusion):
             Column("reliability index", digits=4), Column("variants"), Column("method"), Column("trusted"),
         )  # fmt: skip
         rows = tuple(
-            (case, one.probability, one.low, one.high, one.index if one.probability else None, one.evaluations,
-             one.method, "no" if one.doubts else "yes")
-            for case, one in self.events.items()
+            (case, event.probability, event.low, event.high, event.index if event.probability else None,
+             event.evaluations, event.method, "no" if event.doubts else "yes")
+            for case, event in self.events.items()
         )  # fmt: skip
         note = f"that {self.beyond}; intervals {100 * self.confidence:g} %"
         return Table.of(self.title, "failure probability", columns, rows, (note, *self.sentences))

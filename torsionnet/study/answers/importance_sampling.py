@@ -125,8 +125,8 @@ def _on_the_limit(margin: OfPoints, points: FloatArray) -> tuple[FloatArray, int
         middle = (low + high) / 2
         lost = ~(margin(middle[:, None] * points) > 0)
         low, high = np.where(lost, low, middle), np.where(lost, middle, high)
-    found = (high[:, None] * points)[failed.any(axis=0)]
-    return found[np.linalg.norm(found, axis=1) <= FARTHEST], (len(RAY) + 20) * len(points)
+    on_limit = (high[:, None] * points)[failed.any(axis=0)]
+    return on_limit[np.linalg.norm(on_limit, axis=1) <= FARTHEST], (len(RAY) + 20) * len(points)
 
 
 def distinct_points(points: FloatArray) -> FloatArray:
@@ -274,13 +274,13 @@ def importance_sampling(
     if len(left) > MOST_MISSED * len(scouted.failures):
         percent = 100 * len(left) / len(scouted.failures)
         doubts.append(f"{percent:.0f} % of the failures lie beyond none of the {len(centres)} design points")
-    found = drawn.result(confidence, used, len(centres), tuple(doubts))
+    event = drawn.result(confidence, used, len(centres), tuple(doubts))
     # Subset simulation of so few variants is rough: only a difference by a factor is a reason for doubt.
     factor = 1 + 100 / size**0.5
-    if found.probability and not 1 / factor < scouted.probability / found.probability < factor:
+    if event.probability and not 1 / factor < scouted.probability / event.probability < factor:
         text = f"the run before it came to {scouted.probability:.2g}"
-        return replace(found, doubts=(*found.doubts, text))
-    return found
+        return replace(event, doubts=(*event.doubts, text))
+    return event
 
 
 def _centres(margin: OfPoints, scouted: SubsetLevels, most: int) -> tuple[FloatArray, FloatArray, int]:
@@ -296,9 +296,9 @@ def _centres(margin: OfPoints, scouted: SubsetLevels, most: int) -> tuple[FloatA
         able = int((most / 2 - used) / (EXPECTED_STEPS * (2 * failures.shape[1] + 10) + 80))
         if not len(left) or able < 1:
             break
-        found = design_points(margin, np.concatenate(starts)[:able])
-        used += found.evaluations
-        centres = distinct_points(np.concatenate([centres, found.points]))
+        designs = design_points(margin, np.concatenate(starts)[:able])
+        used += designs.evaluations
+        centres = distinct_points(np.concatenate([centres, designs.points]))
         distances = np.linalg.norm(centres, axis=1)
         # Beyond the plane that touches the limit state at the centre c: u.c/|c| > |c|, less a slack.
         beyond = failures @ centres.T / distances > distances - TANGENT_SLACK

@@ -119,12 +119,10 @@ class Map(StudyAnswer):
         yield from quantity_faults(study, (self.quantity,), "quantity")
         if self.x == self.y:
             yield Fault(f"{self.x} is on both axes", ("y",), kind="contradicting-entries")
-        for one in study.space.entries.correlation:
-            if self.others != FIXED and {self.x, self.y} & set(one.between):
-                text = (
-                    f"{' and '.join(one.between)} are correlated: over an axis with one of them the others are no draws"
-                )
-                yield Fault(f"{text}; take others: {FIXED}", ("others",), kind="contradicting-entries")
+        for correlation in study.space.entries.correlation:
+            if self.others != FIXED and {self.x, self.y} & set(correlation.between):
+                text = f"{' and '.join(correlation.between)} are correlated: over an axis with one of them the others"
+                yield Fault(f"{text} are no draws; take others: {FIXED}", ("others",), kind="contradicting-entries")
 
     def variants(self, study: AskedStudy) -> int:
         others = next(answer_cases(study)).space.random_names
@@ -188,12 +186,12 @@ class MapResult(PlainConclusion):
     @property
     def sentences(self) -> tuple[str, ...]:
         said = []
-        for case, one in self.maps.items():
-            if not np.isfinite(one.values).any():
+        for case, map_of_case in self.maps.items():
+            if not np.isfinite(map_of_case.values).any():
                 said.append(f"{self.quantity[0]}, {case}: no point has a value")
                 continue
             for word, largest in (("smallest", False), ("largest", True)):
-                x, y, value = one.where(largest=largest)
+                x, y, value = map_of_case.where(largest=largest)
                 at = f"{self.x[0]} = {x:.4g} {self.x[1]}, {self.y[0]} = {y:.4g} {self.y[1]}"
                 said.append(f"{word} {self.quantity[0]}, {case}: {value:.4g} {self.quantity[1]} at {at}")
         return tuple(said)
@@ -201,10 +199,10 @@ class MapResult(PlainConclusion):
     def table(self) -> Table:
         columns = (Column("configuration"), Column(*self.x), Column(*self.y), Column(*self.quantity))
         rows = tuple(
-            (case, float(x), float(y), float(one.values[i, j]))
-            for case, one in self.maps.items()
-            for i, x in enumerate(one.x)
-            for j, y in enumerate(one.y)
+            (case, float(x), float(y), float(map_of_case.values[i, j]))
+            for case, map_of_case in self.maps.items()
+            for i, x in enumerate(map_of_case.x)
+            for j, y in enumerate(map_of_case.y)
         )
         note = (
             "other parameters as in the model" if self.others == FIXED else f"{self.others} over the other parameters"

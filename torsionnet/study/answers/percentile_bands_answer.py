@@ -48,7 +48,10 @@ class PercentileBands(StudyAnswer):
 
     def conclude(self, study: AskedStudy, result: VariantValues) -> PercentileBandsResult:
         shares = tuple(sorted(self.percentiles or DEFAULT_PERCENTILES))
-        lines = {case_label(one): result.percentiles(self.quantity, shares, one) for one in study.configurations}
+        lines = {
+            case_label(configuration): result.percentiles(self.quantity, shares, configuration)
+            for configuration in study.configurations
+        }
         return PercentileBandsResult(study.title, self.quantity, measure_of(study, self.quantity), shares, lines)
 
 

@@ -72,14 +72,14 @@ def rank_correlations(parameters: FloatArray, values: FloatArray) -> RankCorrela
     ranks -= ranks.mean(axis=0)
     sizes = np.sqrt((ranks**2).sum(axis=0))
     products = (ranks[:, :-1] * ranks[:, -1:]).sum(axis=0)
-    found = np.full(len(products), np.nan)
-    np.divide(products, sizes[:-1] * sizes[-1], out=found, where=sizes[:-1] * sizes[-1] > 0)
-    found = np.clip(found, -1, 1)
+    coefficients = np.full(len(products), np.nan)
+    np.divide(products, sizes[:-1] * sizes[-1], out=coefficients, where=sizes[:-1] * sizes[-1] > 0)
+    coefficients = np.clip(coefficients, -1, 1)
     # Fisher's z = artanh r is about normal; Bonett and Wright: its standard error is sqrt((1 + r^2/2)/(n - 3)).
-    half = float(ndtri(0.975)) * np.sqrt((1 + found**2 / 2) / (count - 3))
+    half = float(ndtri(0.975)) * np.sqrt((1 + coefficients**2 / 2) / (count - 3))
     with np.errstate(divide="ignore"):
-        middle = np.arctanh(found)
-    return RankCorrelations(found, np.tanh(middle - half), np.tanh(middle + half), count)
+        middle = np.arctanh(coefficients)
+    return RankCorrelations(coefficients, np.tanh(middle - half), np.tanh(middle + half), count)
 
 
 MOST_SHOWN = 100_000
@@ -137,13 +137,12 @@ class ScatterResult(PlainConclusion):
     @property
     def sentences(self) -> tuple[str, ...]:
         said = []
-        for (case, name), one in self.correlations.items():
-            size = np.nan_to_num(np.abs(one.coefficients))
+        for (case, name), ranked in self.correlations.items():
+            size = np.nan_to_num(np.abs(ranked.coefficients))
             place = int(size.argmax())
-            how = "rises" if one.coefficients[place] > 0 else "falls"
-            text = (
-                f"{how} most with {list(self.parameter_units)[place]} (rank correlation {one.coefficients[place]:.2f})"
-            )
+            how = "rises" if ranked.coefficients[place] > 0 else "falls"
+            with_what = list(self.parameter_units)[place]
+            text = f"{how} most with {with_what} (rank correlation {ranked.coefficients[place]:.2f})"
             said.append(f"{name}, {case}: {text if size[place] else 'goes with none of the parameters'}")
         if self.part:
             said.append(f"correlations and points are of {self.part}")
@@ -155,8 +154,14 @@ class ScatterResult(PlainConclusion):
             Column("from", digits=4), Column("to", digits=4), Column("variants"),
         )  # fmt: skip
         rows = tuple(
-            (case, name, parameter, float(one.coefficients[n]), float(one.low[n]), float(one.high[n]), one.count)
-            for (case, name), one in self.correlations.items()
+            (
+                case,
+                name,
+                parameter,
+                *(float(part[n]) for part in (ranked.coefficients, ranked.low, ranked.high)),
+                ranked.count,
+            )
+            for (case, name), ranked in self.correlations.items()
             for n, parameter in enumerate(self.parameter_units)
         )
         return Table.of(self.title, "rank correlations", columns, rows, ("intervals 95 %", *self.sentences))

@@ -111,10 +111,10 @@ def estimates_of(at_points: FloatArray, base: int, seed: int, confidence: float)
     tail = (1 - confidence) / 2
     # A share of a variance: an interval holds its truth as often without the part that lies beyond 0 or 1.
     low, high = np.clip(np.quantile(drawn, [tail, 1 - tail], axis=0), 0.0, 1.0)
-    found = np.clip(_indices(terms), 0.0, 1.0)
+    indices = np.clip(_indices(terms), 0.0, 1.0)
     variance = float(values[:2, whole].var())
     return SobolEstimates(
-        found[0], low[0], high[0], found[1], low[1], high[1], variance, values.size, base - int(whole.sum())
+        indices[0], low[0], high[0], indices[1], low[1], high[1], variance, values.size, base - int(whole.sum())
     )
 
 
@@ -181,10 +181,10 @@ class SobolIndices(StudyAnswer):
     def conclude(self, study: AskedStudy, result: VariantValues | None = None) -> SobolResult:
         del result
         names = chosen_quantities(study, self.quantities)
-        found: dict[tuple[str, str], SobolEstimates] = {}
+        estimates: dict[tuple[str, str], SobolEstimates] = {}
         for case in answer_cases(study):
-            found |= {(case.label, name): one for name, one in self._of_case(case, names).items()}
-        return SobolResult(study.title, study.space.random_names, found, self.confidence)
+            estimates |= {(case.label, name): estimate for name, estimate in self._of_case(case, names).items()}
+        return SobolResult(study.title, study.space.random_names, estimates, self.confidence)
 
     def _of_case(self, case: AnswerCase, names: tuple[str, ...]) -> Mapping[str, SobolEstimates]:
         points = sobol_points(len(case.space.random_names), self.count, self.seed)
@@ -205,19 +205,20 @@ class SobolResult(PlainConclusion):
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        return tuple(text for key, one in self.indices.items() for text in self._about(key, one))
+        return tuple(text for key, estimate in self.indices.items() for text in self._about(key, estimate))
 
-    def _about(self, key: tuple[str, str], one: SobolEstimates) -> Iterator[str]:
+    def _about(self, key: tuple[str, str], estimate: SobolEstimates) -> Iterator[str]:
         case, name = key
-        order = sorted(range(len(self.parameters)), key=lambda place: -one.total[place])
+        order = sorted(range(len(self.parameters)), key=lambda place: -estimate.total[place])
         first = order[0]
-        share = f"{100 * one.first[first]:.3g} % alone, {100 * one.total[first]:.3g} % with all it acts with"
+        share = f"{100 * estimate.first[first]:.3g} % alone, {100 * estimate.total[first]:.3g} % with all it acts with"
         yield f"{name}, {case}: most of its variance comes from {self.parameters[first]} ({share})"
-        idle = [self.parameters[place] for place in order if one.total_high[place] < 0.01]
+        idle = [self.parameters[place] for place in order if estimate.total_high[place] < 0.01]
         if idle:
             yield f"{name}, {case}: {', '.join(idle)} could as well be fixed (total indices below 0.01)"
-        if one.without_value:
-            yield f"{name}, {case}: {one.without_value} base points left out, as one of their variants has no value"
+        if estimate.without_value:
+            left_out = f"{estimate.without_value} base points left out"
+            yield f"{name}, {case}: {left_out}, as one of their variants has no value"
 
     def table(self) -> Table:
         columns = (
@@ -227,8 +228,8 @@ class SobolResult(PlainConclusion):
         )  # fmt: skip
         shown = ("first", "first_low", "first_high", "total", "total_low", "total_high")
         rows = tuple(
-            (*key, name, *(float(getattr(one, array)[place]) for array in shown), one.evaluations)
-            for key, one in self.indices.items()
+            (*key, name, *(float(getattr(estimate, array)[place]) for array in shown), estimate.evaluations)
+            for key, estimate in self.indices.items()
             for place, name in enumerate(self.parameters)
         )
         note = f"estimators of Saltelli and Jansen, bootstrap intervals {100 * self.confidence:g} %"

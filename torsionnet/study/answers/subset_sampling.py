@@ -199,21 +199,23 @@ def subset_sampling(
         raise UsageError(text, kind="out-of-range")
     numbers = np.random.default_rng(seed)
     levels = subset_levels(margin, 2 * count, n_parameters, numbers)
-    found, used = _runs(margin, levels, (INDEPENDENT_RUNS, count, n_parameters), numbers)
-    probability = float(found.mean())
+    probabilities, used = _runs(margin, levels, (INDEPENDENT_RUNS, count, n_parameters), numbers)
+    probability = float(probabilities.mean())
     doubts = [] if 0 in levels.bounds else ["the margin stops falling before it is lost"]
-    if (empty := int((found == 0).sum())) and not doubts:
+    if (empty := int((probabilities == 0).sum())) and not doubts:
         doubts.append(f"{empty} of {INDEPENDENT_RUNS} runs met no failure; take more variants")
-    low, high = _interval(found, confidence) if not empty else (np.nan, np.nan)
-    variation = float(found.std(ddof=1) / np.sqrt(INDEPENDENT_RUNS) / probability) if probability else float("inf")
+    low, high = _interval(probabilities, confidence) if not empty else (np.nan, np.nan)
+    variation = (
+        float(probabilities.std(ddof=1) / np.sqrt(INDEPENDENT_RUNS) / probability) if probability else float("inf")
+    )
     return RareEvent(probability, low, high, variation, levels.evaluations + used, tuple(doubts), "subset")
 
 
-def _interval(found: FloatArray, confidence: float) -> tuple[float, float]:
+def _interval(probabilities: FloatArray, confidence: float) -> tuple[float, float]:
     """Confidence interval of the mean of runs whose logarithms are about normal, Cox's, with Student's factor."""
     from scipy.special import stdtrit
 
-    logarithms = np.log(found)
+    logarithms = np.log(probabilities)
     scatter = logarithms.var(ddof=1)
     # Cox: a lognormal variable has the mean exp(m + s^2/2), and this exponent the variance s^2/n + s^4/(2 (n - 1)).
     middle = logarithms.mean() + scatter / 2
@@ -229,13 +231,13 @@ def _runs(
     """Failure probability (n_runs,) that each independent run estimates, and the number of variants calculated."""
     points = numbers.standard_normal(shape)
     values = margins_of(margin, points)
-    found, used, kept = np.ones(len(points)), values.size, shape[1] // CHAIN_LENGTH
+    probabilities, used, kept = np.ones(len(points)), values.size, shape[1] // CHAIN_LENGTH
     for bound, spread in zip(levels.bounds, levels.spreads, strict=True):
         inside = values <= bound
         # Each run multiplies its own shares of the levels.
-        found *= inside.mean(axis=1)
-        if bound == 0 or not found.any():
-            return found, used
+        probabilities *= inside.mean(axis=1)
+        if bound == 0 or not probabilities.any():
+            return probabilities, used
         chosen = np.array([_begun(row, kept, numbers) for row in inside])
         points = np.take_along_axis(points, chosen[:, :, None], axis=1)
         chains = Chains(margin, points, np.take_along_axis(values, chosen, axis=1), bound, numbers)

@@ -101,22 +101,22 @@ class Tornado(StudyAnswer):
     def _spans(self, case: AnswerCase) -> dict[str, tuple[float, float, float]]:
         """Low end, middle and high end of each parameter's span in SI, by its name."""
         space = case.space
-        found = {name: (low, (low + high) / 2, high) for name, (low, high) in space.box().items()}
+        spans = {name: (low, (low + high) / 2, high) for name, (low, high) in space.box().items()}
         # Else the quantiles that are a standard deviation from the middle of a normal distribution.
         tail = (1 - SHARE_WITHIN_DEVIATION) / 2
-        for name, one in space.marginals.items():
-            middle = float(one.ppf(0.5))
+        for name, marginal in space.marginals.items():
+            middle = float(marginal.ppf(0.5))
             ends = (
-                (found[name][0], found[name][2])
+                (spans[name][0], spans[name][2])
                 if self.span == TOLERANCE
-                else (float(one.ppf(tail)), float(one.isf(tail)))
+                else (float(marginal.ppf(tail)), float(marginal.isf(tail)))
             )
-            found[name] = (ends[0], middle, ends[1])
+            spans[name] = (ends[0], middle, ends[1])
         # A parameter of a grid swings about the value that the model has.
         for name in space.grid:
             if not np.isnan(space.nominal[name]):
-                found[name] = (found[name][0], space.nominal[name], found[name][2])
-        return found
+                spans[name] = (spans[name][0], space.nominal[name], spans[name][2])
+        return spans
 
     def _swings(self, case: AnswerCase, quantity: str, spans: Mapping[str, tuple[float, float, float]]) -> Swings:
         low, middle, high = np.array(list(spans.values())).T
@@ -145,10 +145,10 @@ class TornadoResult(PlainConclusion):
     @property
     def sentences(self) -> tuple[str, ...]:
         said = []
-        for (case, name), one in self.swings.items():
-            place = one.order[0]
+        for (case, name), swing in self.swings.items():
+            place = swing.order[0]
             parameter = list(self.spans[case])[place]
-            ends = f"{one.at_low[place]:.4g} to {one.at_high[place]:.4g} {self.units[name]}".rstrip()
+            ends = f"{swing.at_low[place]:.4g} to {swing.at_high[place]:.4g} {self.units[name]}".rstrip()
             said.append(f"{name}, {case}: {parameter} moves it most, {ends}")
         return tuple(said)
 
@@ -159,9 +159,9 @@ class TornadoResult(PlainConclusion):
         )  # fmt: skip
         rows = tuple(
             (case, name, parameter, spans[parameter][0], spans[parameter][2], self.parameter_units[parameter],
-             float(one.at_low[place]), one.middle, float(one.at_high[place]), self.units[name])
-            for (case, name), one in self.swings.items()
+             float(swing.at_low[place]), swing.middle, float(swing.at_high[place]), self.units[name])
+            for (case, name), swing in self.swings.items()
             for spans in [self.spans[case]]
-            for place, parameter in ((place, list(spans)[place]) for place in one.order)
+            for place, parameter in ((place, list(spans)[place]) for place in swing.order)
         )  # fmt: skip
         return Table.of(self.title, "one parameter at a time", columns, rows, self.sentences)

@@ -155,18 +155,18 @@ class _Search:
             # A variant without a value is worse than all others, but by a finite number.
             return -np.where(np.isfinite(values), values, self.lowest - self.range)
 
-        found = differential_evolution(
+        population = differential_evolution(
             negative, Bounds(np.zeros(self.d), np.ones(self.d)), vectorized=True, updating="deferred", polish=False,
             rng=self.numbers, popsize=POPULATION, maxiter=GENERATIONS, init="sobol", tol=1e-6,
         )  # fmt: skip
-        self.offer(found.population, -found.population_energies)
+        self.offer(population.population, -population.population_energies)
 
     def polish(self) -> None:
         from scipy.optimize import minimize
 
         for point in self.points:
-            found = minimize(self._with_slopes, point, jac=True, method="L-BFGS-B", bounds=[(0.0, 1.0)] * self.d)
-            self.offer(found.x[None], self.values(found.x[None]))
+            solution = minimize(self._with_slopes, point, jac=True, method="L-BFGS-B", bounds=[(0.0, 1.0)] * self.d)
+            self.offer(solution.x[None], self.values(solution.x[None]))
         self._into_bounds()
 
     def _with_slopes(self, point: FloatArray) -> tuple[float, FloatArray]:
@@ -258,7 +258,7 @@ class WorstCaseResult(PlainConclusion):
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        said = [text for one in self.variants for text in self._about(one)]
+        said = [text for worst in self.variants for text in self._about(worst)]
         if self.correlated:
             pairs = ", ".join(" and ".join(pair) for pair in self.correlated)
             said.append(
@@ -267,19 +267,17 @@ class WorstCaseResult(PlainConclusion):
             )
         return tuple(said)
 
-    def _about(self, one: WorstVariant) -> list[str]:
-        values = f"{one.value:.5g} {self.unit}".rstrip() + f" (as given {one.nominal:.5g})"
-        inside = [name for name in one.variant if name not in one.at_lower + one.at_upper]
-        places = [("at the lower bound", one.at_lower), ("at the upper bound", one.at_upper), ("between", inside)]
+    def _about(self, worst: WorstVariant) -> list[str]:
+        values = f"{worst.value:.5g} {self.unit}".rstrip() + f" (as given {worst.nominal:.5g})"
+        inside = [name for name in worst.variant if name not in worst.at_lower + worst.at_upper]
+        places = [("at the lower bound", worst.at_lower), ("at the upper bound", worst.at_upper), ("between", inside)]
         where = ", ".join(f"{' and '.join(names)} {place}" for place, names in places if names)
-        said = [f"{one.direction} {self.quantity}, {one.configuration}: {values}, {where}"]
-        said.append(
-            f"{one.configuration}: none of {one.tried} random variants beats it; their best is {one.best_at_random:.5g}"
-        )
-        if not one.confirmed:
-            said.append(
-                f"{one.configuration}: solved as a model of its own this variant has {one.singly:.8g}: not confirmed"
-            )
+        said = [f"{worst.direction} {self.quantity}, {worst.configuration}: {values}, {where}"]
+        text = f"none of {worst.tried} random variants beats it; their best is {worst.best_at_random:.5g}"
+        said.append(f"{worst.configuration}: {text}")
+        if not worst.confirmed:
+            text = f"solved as a model of its own this variant has {worst.singly:.8g}: not confirmed"
+            said.append(f"{worst.configuration}: {text}")
         return said
 
     def table(self) -> Table:
@@ -289,9 +287,10 @@ class WorstCaseResult(PlainConclusion):
             Column("best at random", self.unit), Column("singly", self.unit), Column("variants"),
         )  # fmt: skip
         rows = tuple(
-            (one.configuration, one.direction, one.value, one.nominal,
-             *(one.variant[name] for name in self.parameter_units), one.best_at_random, one.singly, one.evaluations)
-            for one in self.variants
+            (worst.configuration, worst.direction, worst.value, worst.nominal,
+             *(worst.variant[name] for name in self.parameter_units), worst.best_at_random, worst.singly,
+             worst.evaluations)
+            for worst in self.variants
         )  # fmt: skip
         return Table.of(self.title, f"worst case of {self.quantity}", columns, rows, self.sentences)
 
@@ -330,10 +329,12 @@ class WorstCase(StudyAnswer):
 
     def conclude(self, study: AskedStudy, result: VariantValues | None = None) -> WorstCaseResult:
         del result
-        found = [self._of_case(case, sign) for case in answer_cases(study) for sign in SIGNS[self.direction]]
+        variants = [self._of_case(case, sign) for case in answer_cases(study) for sign in SIGNS[self.direction]]
         unit, pairs = measure_of(study, self.quantity).unit, study.space.entries.correlation
-        correlated = tuple((str(first), str(second)) for first, second in (one.between for one in pairs))
-        return WorstCaseResult(study.title, self.quantity, unit, units_of(study), tuple(found), correlated)
+        correlated = tuple(
+            (str(first), str(second)) for first, second in (correlation.between for correlation in pairs)
+        )
+        return WorstCaseResult(study.title, self.quantity, unit, units_of(study), tuple(variants), correlated)
 
     def _of_case(self, case: AnswerCase, sign: int) -> WorstVariant:
         box = case.space.box(self.coverage)
@@ -345,13 +346,13 @@ class WorstCase(StudyAnswer):
         def signed(points: FloatArray) -> FloatArray:
             return sign * case.calculated(values(points), (self.quantity,))[self.quantity]
 
-        found = largest(signed, len(box), seed=self.seed, tried=self.tried)
-        variant = {name: float(column[0]) for name, column in values(found.point[None]).items()}
+        worst = largest(signed, len(box), seed=self.seed, tried=self.tried)
+        variant = {name: float(column[0]) for name, column in values(worst.point[None]).items()}
         nominal = sign * float(signed(self._nominal(case, low, high))[0])
         return WorstVariant(
-            case.label, "largest" if sign > 0 else "smallest", sign * found.value, variant, box, nominal,
-            tuple(list(box)[place] for place in found.at_lower), tuple(list(box)[place] for place in found.at_upper),
-            case.singly(variant, self.quantity), sign * found.best_at_random, found.tried_at_random, found.evaluations,
+            case.label, "largest" if sign > 0 else "smallest", sign * worst.value, variant, box, nominal,
+            tuple(list(box)[place] for place in worst.at_lower), tuple(list(box)[place] for place in worst.at_upper),
+            case.singly(variant, self.quantity), sign * worst.best_at_random, worst.tried_at_random, worst.evaluations,
         )  # fmt: skip
 
     def _nominal(self, case: AnswerCase, low: FloatArray, high: FloatArray) -> FloatArray:

@@ -69,12 +69,16 @@ def limited_values(study: AskedStudy, label: str, name: str, values: FloatArray)
     if values.ndim == 1:
         return (LimitedValues(label, name, unit, *_histogram(values), limit.below, limit.above),)
     # A curve leaves a lower limit with its smallest value, an upper one with its largest.
-    found = []
+    histograms = []
     if limit.above is not None:
-        found.append(LimitedValues(label, f"smallest {name}", unit, *_histogram(values[:, 0]), None, limit.above, name))
+        histograms.append(
+            LimitedValues(label, f"smallest {name}", unit, *_histogram(values[:, 0]), None, limit.above, name)
+        )
     if limit.below is not None:
-        found.append(LimitedValues(label, f"largest {name}", unit, *_histogram(values[:, 1]), limit.below, None, name))
-    return tuple(found)
+        histograms.append(
+            LimitedValues(label, f"largest {name}", unit, *_histogram(values[:, 1]), limit.below, None, name)
+        )
+    return tuple(histograms)
 
 
 def _histogram(values: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -195,11 +199,13 @@ class YieldResult(PlainConclusion):
 
     def of(self, configuration: str, limit: str = ANY_LIMIT) -> Share:
         """Share of the variants beyond a limit, chosen by configuration and by the words of the limit in the table."""
-        return next(one.share for one in self.shares if (one.configuration, one.limit) == (configuration, limit))
+        return next(
+            share.share for share in self.shares if (share.configuration, share.limit) == (configuration, limit)
+        )
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        said = [f"{self._share_words(one.share)}: {one.limit}, {one.configuration}" for one in self._headline]
+        said = [f"{self._share_words(share.share)}: {share.limit}, {share.configuration}" for share in self._headline]
         if self.missing:
             said.append(f"{self.missing} variants have no value and count as beyond the limit")
         if self.method in ("sobol", "latin_hypercube"):
@@ -210,8 +216,8 @@ class YieldResult(PlainConclusion):
 
     @property
     def _headline(self) -> list[LimitShare]:
-        over_all = [one for one in self.shares if one.configuration == ALL_CASES]
-        return over_all or [one for one in self.shares if len(self.shares) > 2 or one.limit != ANY_LIMIT]
+        over_all = [share for share in self.shares if share.configuration == ALL_CASES]
+        return over_all or [share for share in self.shares if len(self.shares) > 2 or share.limit != ANY_LIMIT]
 
     def _share_words(self, share: Share) -> str:
         return (
@@ -226,10 +232,10 @@ class YieldResult(PlainConclusion):
             Column("to", "%", digits=4), Column("kept", "%", digits=6), Column("draws"),
         )  # fmt: skip
         rows = tuple(
-            (one.configuration, one.limit, 100 * one.share.value,
-             None if self.exhaustive else 100 * one.share.low, None if self.exhaustive else 100 * one.share.high,
-             100 * (1 - one.share.value), one.share.count)
-            for one in self.shares
+            (share.configuration, share.limit, 100 * share.share.value,
+             None if self.exhaustive else 100 * share.share.low, None if self.exhaustive else 100 * share.share.high,
+             100 * (1 - share.share.value), share.share.count)
+            for share in self.shares
         )  # fmt: skip
         notes = [f"intervals of Clopper and Pearson, {100 * self.confidence:g} %"] if not self.exhaustive else []
         return Table.of(self.title, "yield", columns, rows, (*notes, *self.sentences[len(self._headline) :]))
@@ -276,10 +282,10 @@ class Yield(StudyAnswer):
     def conclude(self, study: AskedStudy, result: VariantValues) -> YieldResult:
         names = self.limits or tuple(study.limits)
         distributions = [
-            one
+            limited
             for case in study.configurations
             for name in names
-            for one in limited_values(study, case_label(case), name, result.kept_values(name, case))
+            for limited in limited_values(study, case_label(case), name, result.kept_values(name, case))
         ]
         beyond, missing = self._counted(study, result, names)
         method = study.space.sampling.method if study.space.sampling and study.space.random_names else ""

@@ -80,28 +80,30 @@ class DamperOverConditions(DrawnConclusion):
     @property
     def values(self) -> dict[str, float]:
         """Value in SI of each damper parameter, by its name."""
-        return {one.name: one.value for one in self.parameters}
+        return {parameter.name: parameter.value for parameter in self.parameters}
 
     @property
     def worst_before(self) -> DamperInCondition:
-        return max(self.conditions, key=lambda one: one.before.level)
+        return max(self.conditions, key=lambda condition: condition.before.level)
 
     @property
     def worst(self) -> DamperInCondition:
         """Operating condition with the largest level when this damper is fitted."""
-        return max(self.conditions, key=lambda one: one.after.level)
+        return max(self.conditions, key=lambda condition: condition.after.level)
 
     @property
     def holding(self) -> tuple[str, ...]:
         """Names of the operating conditions whose level is within a thousandth of the largest."""
         top = self.worst.after.level * (1 - EQUAL_PEAK_DIFFERENCE)
-        return tuple(one.condition for one in self.conditions if one.after.level >= top)
+        return tuple(condition.condition for condition in self.conditions if condition.after.level >= top)
 
     @property
     def sentences(self) -> tuple[str, ...]:
         """Result of the damper search in sentences, on levels before and after, bounds reached, cost of one for all."""
         before, after = self.worst_before, self.worst
-        bounds = [f"{one.name} is at its {one.bound} bound" for one in self.parameters if one.bound]
+        bounds = [
+            f"{parameter.name} is at its {parameter.bound} bound" for parameter in self.parameters if parameter.bound
+        ]
         if not after.condition:  # a model without configurations
             levels = f"{before.before.level:.5g} to {after.after.level:.5g} {self.channel.unit}"
             return f"the largest {self.channel.name} goes from {levels}", *bounds, *self.notes
@@ -110,7 +112,7 @@ class DamperOverConditions(DrawnConclusion):
             f"({before.condition}) to {after.after.level:.5g} {self.channel.unit} ({' and '.join(self.holding)})"
         ]
         said += bounds
-        dear = max(self.conditions, key=lambda one: one.after.level / one.alone.level)
+        dear = max(self.conditions, key=lambda condition: condition.after.level / condition.alone.level)
         more = 100 * (dear.after.level / dear.alone.level - 1)
         said.append(f"one damper for all costs at most {more:.3g} % against one for {dear.condition} alone")
         return (*said, *self.notes)
@@ -123,20 +125,23 @@ class DamperOverConditions(DrawnConclusion):
             Column("optimum for all", self.channel.unit),
             Column(f"at {self.of[0]}", self.of[1]),
             Column("optimum alone", self.channel.unit),
-            *(Column(f"{one.name} alone", one.unit) for one in self.parameters),
+            *(Column(f"{parameter.name} alone", parameter.unit) for parameter in self.parameters),
         )
         rows = tuple(
             (
-                one.condition,
-                one.before.level,
-                one.after.level,
-                one.after.point,
-                one.alone.level,
-                *one.alone_values.values(),
+                condition.condition,
+                condition.before.level,
+                condition.after.level,
+                condition.after.point,
+                condition.alone.level,
+                *condition.alone_values.values(),
             )
-            for one in self.conditions
+            for condition in self.conditions
         )
-        best = [f"{one.name} = {one.value:.6g} {one.unit} (given: {one.start:.6g})" for one in self.parameters]
+        best = [
+            f"{parameter.name} = {parameter.value:.6g} {parameter.unit} (given: {parameter.start:.6g})"
+            for parameter in self.parameters
+        ]
         return Table.of(self.title, "best damper for all conditions", columns, rows, (*best, *self.sentences))
 
     def to_data(self) -> dict[str, Json]:
@@ -146,14 +151,14 @@ class DamperOverConditions(DrawnConclusion):
             "holding": list(self.holding),
             "conditions": [
                 {
-                    "condition": one.condition,
-                    "before": one.before.level,
-                    "after": one.after.level,
-                    "at": one.after.point,
-                    "alone": one.alone.level,
-                    "alone_values": one.alone_values,
+                    "condition": condition.condition,
+                    "before": condition.before.level,
+                    "after": condition.after.level,
+                    "at": condition.after.point,
+                    "alone": condition.alone.level,
+                    "alone_values": condition.alone_values,
                 }
-                for one in self.conditions
+                for condition in self.conditions
             ],
             "sentences": list(self.sentences),
         }
@@ -213,7 +218,9 @@ def damper_over_conditions(
     )
     # One damper for all: the largest level over all conditions is made smallest.
     highest = (
-        max(float(one.run.speeds[-1]) for one in parts if isinstance(one, OrderLevels)) if band is None else band[1]
+        max(float(levels_of_case.run.speeds[-1]) for levels_of_case in parts if isinstance(levels_of_case, OrderLevels))
+        if band is None
+        else band[1]
     )
     best = kept("", lambda: smallest_maximum(WorstLevels(parts, highest), box, start))
     # The best damper of each condition alone shows what the one for all costs there.
@@ -229,7 +236,7 @@ def damper_over_conditions(
             DesignParameter(name, unit, float(first), float(low), float(high), float(value))
             for name, unit, first, low, high, value in zip(names, units, start, box.lower, box.upper, best, strict=True)
         ),
-        tuple(_in_condition(*one, names, start, best) for one in zip(labels, parts, alone, strict=True)),
+        tuple(_in_condition(*case, names, start, best) for case in zip(labels, parts, alone, strict=True)),
         drivetrain.name,
         tuple(dict.fromkeys(note for notes in read for note in notes)),
     )
@@ -281,19 +288,19 @@ class BestDamper(StudyAnswer):
                 on_key=True,
                 kind="missing-entry",
             )
-        found, faults = chosen_parameters(study, self.design)
+        parameters, faults = chosen_parameters(study, self.design)
         yield from (fault.under("design") for fault in faults)
-        if not found and not faults:
+        if not parameters and not faults:
             yield Fault(
                 "nothing varies; say which values are chosen, as design: {c_dmp: [low, high]}",
                 on_key=True,
                 kind="nothing-varies",
             )
-        for one in found:
-            if one.lower < 0:
-                path = ("design", one.name) if self.design else ()
+        for parameter in parameters:
+            if parameter.lower < 0:
+                path = ("design", parameter.name) if self.design else ()
                 yield Fault(
-                    f"a damper has no value below 0, got {one.lower:g}",
+                    f"a damper has no value below 0, got {parameter.lower:g}",
                     path,
                     on_key=not self.design,
                     kind="out-of-range",
@@ -317,7 +324,7 @@ class BestDamper(StudyAnswer):
         return damper_over_conditions(
             study.model,
             self.output,
-            {one.name: (one.lower, one.upper) for one in parameters},
+            {parameter.name: (parameter.lower, parameter.upper) for parameter in parameters},
             study.configurations,
             input=self.input,
             band=self.band,

@@ -64,9 +64,9 @@ class DesignObjective:
     def name(self) -> str:
         return self.quantities[0] if len(self.quantities) == 1 else f"worst of {', '.join(self.quantities)}"
 
-    def columns(self, found: Found) -> FloatArray:
+    def columns(self, values: Found) -> FloatArray:
         """Values (n, n_columns) of n designs that are to be small, the quantities' times the sign of the objective."""
-        return self.sign * np.concatenate([found[name] for name in self.quantities], axis=1)
+        return self.sign * np.concatenate([values[name] for name in self.quantities], axis=1)
 
     def shown(self, size: float) -> float:
         """Value in SI of the objective's quantity from a value of :meth:`columns`, which has the objective's sign."""
@@ -107,15 +107,17 @@ class DesignGoals:
                 "either targets or something to minimise or maximise; make the targets limits, or these",
                 kind="contradicting-entries",
             )
-        for one in self.targets:
-            if not (np.isfinite(one.value) and one.weight > 0):
-                raise UsageError(f"the target of {one.quantity} is a number with a weight above 0", kind="out-of-range")
+        for target in self.targets:
+            if not (np.isfinite(target.value) and target.weight > 0):
+                raise UsageError(
+                    f"the target of {target.quantity} is a number with a weight above 0", kind="out-of-range"
+                )
 
     @property
     def quantities(self) -> tuple[str, ...]:
         """Names of the quantities of all targets, objectives and limits, each once."""
-        named = [one.quantity for one in self.targets]
-        named += [name for one in self.objectives for name in one.quantities]
+        named = [target.quantity for target in self.targets]
+        named += [name for objective in self.objectives for name in objective.quantities]
         return tuple(dict.fromkeys([*named, *self.limits]))
 
     def unit_of(self, objective: DesignObjective) -> str:
@@ -139,15 +141,15 @@ class DesignGoals:
                     f'no quantity is named "{name}"{did_you_mean(name, known)}; there are {there}', kind="unknown-name"
                 )
 
-    def deviations(self, found: Found) -> FloatArray:
+    def deviations(self, values: Found) -> FloatArray:
         """Relative, weighted deviations from targets (n, n_targets) of n designs, those of a curve at every point."""
-        parts = [one.scale * (found[one.quantity] - one.value) for one in self.targets]
+        parts = [target.scale * (values[target.quantity] - target.value) for target in self.targets]
         return np.concatenate(parts, axis=1)
 
-    def excess(self, found: Found) -> FloatArray:
+    def excess(self, values: Found) -> FloatArray:
         """Excess (n, n_points of limited quantities) over limits, relative to them; below 0 where they are kept."""
-        parts = [sign * (found[name] - bound) / (abs(bound) or 1.0) for name, sign, bound in self.bounds()]
-        count = len(next(iter(found.values())))
+        parts = [sign * (values[name] - bound) / (abs(bound) or 1.0) for name, sign, bound in self.bounds()]
+        count = len(next(iter(values.values())))
         return np.concatenate(parts, axis=1) if parts else np.zeros((count, 0))
 
     def excess_slopes(self, moved: Found) -> FloatArray:
@@ -164,21 +166,21 @@ class DesignGoals:
             if limit.above is not None:
                 yield name, -1.0, limit.above
 
-    def merit(self, found: Found) -> FloatArray:
+    def merit(self, values: Found) -> FloatArray:
         """Merit (n,) of n designs, to be minimised, the sum of squared deviations, or the worst of the objective."""
         if self.targets:
-            size = np.sum(self.deviations(found) ** 2, axis=1)
+            size = np.sum(self.deviations(values) ** 2, axis=1)
         else:
-            size = self.objectives[0].columns(found).max(axis=1)
+            size = self.objectives[0].columns(values).max(axis=1)
         # A design without one of the quantities is worse than any other.
         return np.where(np.isnan(size), np.inf, size)
 
-    def violation(self, found: Found) -> FloatArray:
+    def violation(self, values: Found) -> FloatArray:
         """Sum (n,) of the relative excess over limits of n designs.
 
         Infinite where a quantity could not be calculated.
         """
-        over = np.maximum(self.excess(found), 0.0).sum(axis=1)
+        over = np.maximum(self.excess(values), 0.0).sum(axis=1)
         return np.where(np.isnan(over), np.inf, over)
 
 
@@ -257,16 +259,18 @@ def design_parameters(
     model: Model, design: Mapping[str, DesignBounds | None]
 ) -> tuple[list[DesignParameter], list[Fault]]:
     """Design parameters of a model with bounds in SI, and all faults of their entries."""
-    found, faults = [], []
-    for name, nominal in nominals(model, [one for one in design if one in model.parameters]).items():
+    parameters, faults = [], []
+    for name, nominal in nominals(
+        model, [name_asked for name_asked in design if name_asked in model.parameters]
+    ).items():
         reader = NominalReader(nominal)
         ends = _ends(design[name], reader, model.parameter_definitions[name])
         # A parameter without a value of its own starts in the middle of its bounds.
         start = reader.value(None, "start") if nominal.value is not None else sum(ends) / 2
         faults += [fault.under(name) for fault in reader.faults]
         if not reader.faults:
-            found.append(DesignParameter(name, parameter_units(model.definition)[name], start, *ends, start))
-    return found, faults
+            parameters.append(DesignParameter(name, parameter_units(model.definition)[name], start, *ends, start))
+    return parameters, faults
 
 
 def chosen_parameters(
@@ -293,7 +297,7 @@ def _ends(bounds: DesignBounds | None, reader: NominalReader, parameter: Paramet
         else:
             low, high = nominal / DEFAULT_BOUND_FACTOR, nominal * DEFAULT_BOUND_FACTOR
     else:
-        low, high = (reader.value(one, "bounds", place) for place, one in enumerate(bounds.bounds))
+        low, high = (reader.value(bound, "bounds", place) for place, bound in enumerate(bounds.bounds))
     if not low < high and not reader.faults:
         reader.fault(f"bounds are a lower and a higher value, got {low:g} and {high:g}", kind="unordered-rows")
     return low, high

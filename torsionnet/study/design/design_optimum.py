@@ -64,12 +64,12 @@ class DesignOptimum(DrawnConclusion):
     @property
     def values(self) -> dict[str, float]:
         """Value in SI of each design parameter, by its name, for :meth:`torsionnet.Drivetrain.configured`."""
-        return {one.name: one.value for one in self.parameters}
+        return {parameter.name: parameter.value for parameter in self.parameters}
 
     @property
     def active_bounds(self) -> dict[str, str]:
         """Parameters that are at a bound, by name, with ``lower`` or ``upper`` as value."""
-        return {one.name: one.bound for one in self.parameters if one.bound}
+        return {parameter.name: parameter.bound for parameter in self.parameters if parameter.bound}
 
     @property
     def merit(self) -> float:
@@ -81,8 +81,8 @@ class DesignOptimum(DrawnConclusion):
     def disagreement(self) -> float:
         """Largest relative difference between quantities calculated in a batch and by a single model."""
         apart = [
-            float(np.max(np.abs(self.after[name] - one) / max(float(np.abs(one).max()), 1e-300)))
-            for name, one in self.single.items()
+            float(np.max(np.abs(self.after[name] - alone) / max(float(np.abs(alone).max()), 1e-300)))
+            for name, alone in self.single.items()
         ]
         return max(apart, default=0.0)
 
@@ -103,18 +103,16 @@ class DesignOptimum(DrawnConclusion):
 
     def _targets_said(self) -> list[str]:
         said = []
-        for one in self.goals.targets:
-            value, unit = self.after[one.quantity], self.goals.units.get(one.quantity, "")
-            wanted = with_unit(one.value, unit)
-            worst = float(value[np.argmax(np.abs(value - one.value))])
-            if abs(worst - one.value) <= TARGET_MET * (abs(one.value) or 1.0):
-                said.append(f"{one.quantity} has its target, {wanted}")
+        for target in self.goals.targets:
+            value, unit = self.after[target.quantity], self.goals.units.get(target.quantity, "")
+            wanted = with_unit(target.value, unit)
+            worst = float(value[np.argmax(np.abs(value - target.value))])
+            if abs(worst - target.value) <= TARGET_MET * (abs(target.value) or 1.0):
+                said.append(f"{target.quantity} has its target, {wanted}")
             else:
-                said.append(
-                    f"{one.quantity} comes to {with_unit(worst, unit)}: its target {wanted} is not reached within the "
-                    "bounds"
-                )
-        points = sum(self.after[one.quantity].size for one in self.goals.targets)
+                text = f"its target {wanted} is not reached within the bounds"
+                said.append(f"{target.quantity} comes to {with_unit(worst, unit)}: {text}")
+        points = sum(self.after[target.quantity].size for target in self.goals.targets)
         if points > len(self.parameters):
             said.append(f"{points} targets and {len(self.parameters)} parameters: least squares of relative deviations")
         return said
@@ -122,9 +120,10 @@ class DesignOptimum(DrawnConclusion):
     def _objective_said(self) -> list[str]:
         if not self.goals.objectives:
             return []
-        one = self.goals.objectives[0]
-        first = one.shown(float(one.columns(_rows(self.before)).max()))
-        return [f"{one.name} goes from {first:.6g} to {with_unit(self.merit, self.goals.unit_of(one))} ({one.sense}d)"]
+        objective = self.goals.objectives[0]
+        first = objective.shown(float(objective.columns(_rows(self.before)).max()))
+        reached = with_unit(self.merit, self.goals.unit_of(objective))
+        return [f"{objective.name} goes from {first:.6g} to {reached} ({objective.sense}d)"]
 
     def _limits_said(self) -> list[str]:
         if not self.goals.limits:
@@ -150,7 +149,7 @@ class DesignOptimum(DrawnConclusion):
             said.append(f"not unique: {many} of the parameters may change without a change of the targeted quantities")
         elif self.alternatives:
             others = "; ".join(
-                ", ".join(f"{name} = {value:.6g}" for name, value in one.items()) for one in self.alternatives
+                ", ".join(f"{name} = {value:.6g}" for name, value in design.items()) for design in self.alternatives
             )
             said.append(f"not unique: equally good are {others}; this one is nearest to the values as given")
         if not self.converged:
@@ -168,9 +167,10 @@ class DesignOptimum(DrawnConclusion):
     def table(self) -> Table:
         """Table of the design parameters, then of the quantities, as given and at the optimum."""
         rows: list[tuple[object, ...]] = [
-            (one.name, one.unit, one.start, one.value, one.lower, one.upper, None) for one in self.parameters
+            (parameter.name, parameter.unit, parameter.start, parameter.value, parameter.lower, parameter.upper, None)
+            for parameter in self.parameters
         ]
-        wanted = {one.quantity: one.value for one in self.goals.targets}
+        wanted = {target.quantity: target.value for target in self.goals.targets}
         for name, after in self.after.items():
             limit = self.goals.limits.get(name)
             low, high = (None, None) if limit is None else (limit.above, limit.below)
@@ -186,10 +186,10 @@ class DesignOptimum(DrawnConclusion):
             "values": self.values,
             "active_bounds": self.active_bounds,
             "merit": self.merit,
-            "before": {name: one.tolist() for name, one in self.before.items()},
-            "after": {name: one.tolist() for name, one in self.after.items()},
+            "before": {name: before.tolist() for name, before in self.before.items()},
+            "after": {name: after.tolist() for name, after in self.after.items()},
             "violation": self.violation,
-            "alternatives": [dict(one) for one in self.alternatives],
+            "alternatives": [dict(design) for design in self.alternatives],
             "free_directions": self.free_directions,
             "disagreement": self.disagreement,
             "evaluations": int(self.history[-1, 0]),
@@ -198,5 +198,5 @@ class DesignOptimum(DrawnConclusion):
         }
 
 
-def _rows(found: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-    return {name: one[None, :] for name, one in found.items()}
+def _rows(values: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+    return {name: row[None, :] for name, row in values.items()}

@@ -63,21 +63,22 @@ class DesignProblem:
     def __post_init__(self) -> None:
         if not self.parameters:
             raise UsageError("say which parameters may change", kind="missing-entry")
-        for one in self.parameters:
-            if not (np.isfinite([one.lower, one.upper]).all() and one.lower < one.upper):
+        for parameter in self.parameters:
+            low, high = parameter.lower, parameter.upper
+            if not (np.isfinite([low, high]).all() and low < high):
                 raise UsageError(
-                    f"{one.name}: bounds are a lower and a higher value, got {one.lower:g} and {one.upper:g}",
+                    f"{parameter.name}: bounds are a lower and a higher value, got {low:g} and {high:g}",
                     kind="unordered-rows",
                 )
 
     @property
     def names(self) -> tuple[str, ...]:
-        return tuple(one.name for one in self.parameters)
+        return tuple(parameter.name for parameter in self.parameters)
 
     @property
     def peak_objectives(self) -> tuple[str, ...]:
         """Names of the minimised quantities that have a curve over frequency."""
-        sought = [name for one in self.goals.objectives[:1] if one.sign > 0 for name in one.quantities]
+        sought = [name for goal in self.goals.objectives[:1] if goal.sign > 0 for name in goal.quantities]
         return tuple(name for name in sought if name in self.curves)
 
     @property
@@ -93,12 +94,15 @@ class DesignProblem:
 
     @cached_property
     def box(self) -> Box:
-        return Box(np.array([one.lower for one in self.parameters]), np.array([one.upper for one in self.parameters]))
+        return Box(
+            np.array([parameter.lower for parameter in self.parameters]),
+            np.array([parameter.upper for parameter in self.parameters]),
+        )
 
     @cached_property
     def start(self) -> FloatArray:
         """Point of the unit cube (n_p,) of the given design, where the search begins."""
-        return self.box.place(np.array([one.start for one in self.parameters]))
+        return self.box.place(np.array([parameter.start for parameter in self.parameters]))
 
     def values(self, place: FloatArray) -> dict[str, float]:
         """Value in SI of each parameter at one point of the unit cube, by its name."""
@@ -108,13 +112,13 @@ class DesignProblem:
         """Values (n, n_points) in SI of each quantity, by its name, at points (n, n_p) of the unit cube."""
         inside = self.box.inside(np.atleast_2d(places))
         self._asked.append(len(inside))
-        found = self.evaluate({name: inside[:, index] for index, name in enumerate(self.names)})
-        self.goals.check(found)
-        return {name: np.asarray(found[name], float).reshape(len(inside), -1) for name in self.goals.quantities}
+        values = self.evaluate({name: inside[:, index] for index, name in enumerate(self.names)})
+        self.goals.check(values)
+        return {name: np.asarray(values[name], float).reshape(len(inside), -1) for name in self.goals.quantities}
 
-    def ranks(self, found: Found) -> list[Rank]:
+    def ranks(self, values: Found) -> list[Rank]:
         """Rank of each of n designs, its violation of limits, then its merit."""
-        over, merit = self.goals.violation(found), self.goals.merit(found)
+        over, merit = self.goals.violation(values), self.goals.merit(values)
         return [(0.0 if v <= FEASIBLE_EXCESS else v, m) for v, m in zip(over.tolist(), merit.tolist(), strict=True)]
 
     def jacobian(self, place: FloatArray) -> Found:
@@ -138,11 +142,13 @@ class DesignProblem:
         points = np.repeat(np.asarray(place, float)[None, None, :], size * len(STENCIL), axis=0).reshape(size, -1, size)
         for index in range(size):
             points[index, :, index] = centre[index] + SLOPE_STEP * STENCIL
-        found = self.at(points.reshape(-1, size))
+        values = self.at(points.reshape(-1, size))
         # Weights of the five points for a slope at the place, which near a bound is not their middle.
         weights = np.array([_weights((place[i] - centre[i]) / SLOPE_STEP) for i in range(size)]) / SLOPE_STEP
-        slopes = {name: np.einsum("pk,pkm->mp", weights, found[name].reshape(size, len(STENCIL), -1)) for name in names}
-        return {name: np.where(np.isfinite(one), one, 0.0) for name, one in slopes.items()}
+        slopes = {
+            name: np.einsum("pk,pkm->mp", weights, values[name].reshape(size, len(STENCIL), -1)) for name in names
+        }
+        return {name: np.where(np.isfinite(slope), slope, 0.0) for name, slope in slopes.items()}
 
 
 def _weights(at: float) -> FloatArray:
@@ -171,10 +177,10 @@ def finite(values: FloatArray) -> FloatArray:
     return np.where(np.isfinite(values), values, MISSING_VALUE)
 
 
-def objective(problem: DesignProblem, found: Found) -> FloatArray:
+def objective(problem: DesignProblem, values: Found) -> FloatArray:
     """Columns (n, n_columns) of the objective of n designs, the largest of which is minimised."""
     goals = problem.goals
-    return goals.objectives[0].columns(found) if goals.objectives else goals.merit(found)[:, None]
+    return goals.objectives[0].columns(values) if goals.objectives else goals.merit(values)[:, None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,10 +194,10 @@ class BoundedPoints:
     @classmethod
     def highest(cls, problem: DesignProblem, place: FloatArray) -> BoundedPoints:
         """Objective columns, limits and curve points that are local maxima or ends at one point of the unit cube."""
-        found, values = problem.at(place), problem.box.inside(place)
+        quantities, values = problem.at(place), problem.box.inside(place)
         return cls(
-            _maxima(objective(problem, found)[0], _smooth_columns(problem, found)),
-            _maxima(problem.goals.excess(found)[0], _smooth_limits(problem, found)),
+            _maxima(objective(problem, quantities)[0], _smooth_columns(problem, quantities)),
+            _maxima(problem.goals.excess(quantities)[0], _smooth_limits(problem, quantities)),
             {name: problem.curves[name].maxima(values) for name in (*problem.peak_objectives, *problem.peak_limits)},
         )
 
@@ -216,18 +222,18 @@ def _maxima(values: FloatArray, among: Chosen) -> Chosen:
     return chosen
 
 
-def _smooth_columns(problem: DesignProblem, found: Found) -> Chosen:
+def _smooth_columns(problem: DesignProblem, values: Found) -> Chosen:
     """Whether each column of the objective, (n_columns,), is not a peak with a curve that replaces its kinks."""
     if problem.goals.targets:
         return np.ones(1, dtype=bool)
     names = problem.goals.objectives[0].quantities
-    return np.concatenate([np.full(found[name].shape[1], name not in problem.peak_objectives) for name in names])
+    return np.concatenate([np.full(values[name].shape[1], name not in problem.peak_objectives) for name in names])
 
 
-def _smooth_limits(problem: DesignProblem, found: Found) -> Chosen:
+def _smooth_limits(problem: DesignProblem, values: Found) -> Chosen:
     """Whether each limit, (n_limits,), is not that of a peak with a curve."""
     parts = [
-        np.full(found[name].shape[1], not (sign > 0 and name in problem.peak_limits))
+        np.full(values[name].shape[1], not (sign > 0 and name in problem.peak_limits))
         for name, sign, _ in problem.goals.bounds()
     ]
     return np.concatenate([np.zeros(0, dtype=bool), *parts])
@@ -237,13 +243,13 @@ TINY_LEVEL = 1e-300
 """Level added before logarithms and divisions, so that a level of 0 stays finite."""
 
 
-def _objective_slopes(problem: DesignProblem, found: Found, moved: Found) -> FloatArray:
+def _objective_slopes(problem: DesignProblem, values: Found, moved: Found) -> FloatArray:
     goals = problem.goals
     if goals.objectives:
         return goals.objectives[0].sign * np.concatenate([moved[name] for name in goals.objectives[0].quantities])
     # Merit sum r^2, so that its slope is 2 r.dr.
-    deviations = goals.deviations(found)[0]
-    slopes = np.concatenate([one.scale * moved[one.quantity] for one in goals.targets])
+    deviations = goals.deviations(values)[0]
+    slopes = np.concatenate([target.scale * moved[target.quantity] for target in goals.targets])
     return np.asarray(2 * deviations[None, :] @ slopes)
 
 

@@ -43,24 +43,28 @@ class ExactSlopes:
 
     def _whole(self, values: Mapping[str, float]) -> FloatArray:
         """Derivatives (n_points of all, n_p) in SI of all wanted quantities, NaN for those that have none."""
-        found = self._found(values)
+        slopes = self._found(values)
         nothing = [np.full((size, len(self.evaluator.names)), np.nan) for size in self._sizes]
-        return np.concatenate([found.get(name, nan) for name, nan in zip(self.wanted, nothing, strict=True)])
+        return np.concatenate([slopes.get(name, nan) for name, nan in zip(self.wanted, nothing, strict=True)])
 
     @cached_property
     def _sizes(self) -> list[int]:
         """Number of points of each wanted quantity, 1 for a single number."""
-        forms = [one.measured(self.evaluator.model, self.evaluator.quantities) for one in self._asked.values()]
-        return [len(one.points) for one in forms]
+        forms = [
+            quantity.measured(self.evaluator.model, self.evaluator.quantities) for quantity in self._asked.values()
+        ]
+        return [len(form.points) for form in forms]
 
     def _found(self, values: Mapping[str, float]) -> dict[str, FloatArray]:
-        found = {name: self._of_response(one, values) for name, one in self._responses.items()}
+        derivatives = {name: self._of_response(quantity, values) for name, quantity in self._responses.items()}
         modal = self._modal
         if modal:
             moved = mode_sensitivities(self.evaluator.model.configured(**values), list(self.evaluator.names))
             block = self.evaluator.block({name: np.array([value]) for name, value in values.items()})
-            found |= {name: _of_mode(one, complex(one.eigenvalue(block)[0]), moved) for name, one in modal.items()}
-        return {name: slopes for name, slopes in found.items() if np.isfinite(slopes).all()}
+            derivatives |= {
+                name: _of_mode(mode, complex(mode.eigenvalue(block)[0]), moved) for name, mode in modal.items()
+            }
+        return {name: slopes for name, slopes in derivatives.items() if np.isfinite(slopes).all()}
 
     @property
     def _asked(self) -> dict[str, StudyQuantity]:
@@ -70,9 +74,10 @@ class ExactSlopes:
     def _modal(self) -> dict[str, ModeQuantity]:
         """Quantities, by name, that are damped natural frequencies or damping ratios."""
         return {
-            name: one
-            for name, one in self._asked.items()
-            if isinstance(one, DampingRatio) or (isinstance(one, NaturalFrequency) and one.which != UNDAMPED)
+            name: quantity
+            for name, quantity in self._asked.items()
+            if isinstance(quantity, DampingRatio)
+            or (isinstance(quantity, NaturalFrequency) and quantity.which != UNDAMPED)
         }
 
     @cached_property
@@ -80,27 +85,29 @@ class ExactSlopes:
         """Quantities, by name, that are transfer functions above 0 Hz, with their parametric responses."""
         return {
             name: (
-                one,
+                quantity,
                 parametric_response(
                     self.evaluator.model,
-                    one.output,
-                    one.input,
-                    one.frequencies,
+                    quantity.output,
+                    quantity.input,
+                    quantity.frequencies,
                     list(self.evaluator.names),
-                    driven_by=one.excitation,
+                    driven_by=quantity.excitation,
                 ),
             )
-            for name, one in self._asked.items()
-            if isinstance(one, ResponseQuantity) and (one.frequencies > 0).all()
+            for name, quantity in self._asked.items()
+            if isinstance(quantity, ResponseQuantity) and (quantity.frequencies > 0).all()
         }
 
-    def _of_response(self, one: tuple[ResponseQuantity, ParametricResponse], values: Mapping[str, float]) -> FloatArray:
-        quantity, response = one
+    def _of_response(
+        self, asked: tuple[ResponseQuantity, ParametricResponse], values: Mapping[str, float]
+    ) -> FloatArray:
+        quantity, response = asked
         try:
-            found = response.at([values[name] for name in self.evaluator.names])
+            evaluation = response.at([values[name] for name in self.evaluator.names])
         except SolveError:
             return np.array([[np.nan]])
-        return _part(quantity.part, found.values[:, 0, 0], found.jacobian[:, 0, 0])
+        return _part(quantity.part, evaluation.values[:, 0, 0], evaluation.jacobian[:, 0, 0])
 
 
 def _part(part: str, y: ComplexArray, dy: ComplexArray) -> FloatArray:
@@ -155,23 +162,26 @@ class DesignQuantities:
     def __call__(self, values: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         """Values (n, n_configurations * n_points) in SI of each quantity, by its name, for n designs."""
         count = len(next(iter(values.values())))
-        found = [one(_completed(one, values, count), self.wanted) for one in self.evaluators]
-        return {name: np.concatenate([one[name].reshape(count, -1) for one in found], axis=1) for name in self.wanted}
+        cases = [evaluator(_completed(evaluator, values, count), self.wanted) for evaluator in self.evaluators]
+        return {
+            name: np.concatenate([of_case[name].reshape(count, -1) for of_case in cases], axis=1)
+            for name in self.wanted
+        }
 
     def slopes(self, values: Mapping[str, float]) -> dict[str, FloatArray]:
         """Exact derivatives (n_configurations * n_points, n_p) in SI of each quantity, by its name."""
-        found = [one(values) for one in self._exact]
-        everywhere = [name for name in self.wanted if all(name in one for one in found)]
-        return {name: np.concatenate([one[name] for one in found]) for name in everywhere}
+        cases = [exact(values) for exact in self._exact]
+        everywhere = [name for name in self.wanted if all(name in of_case for of_case in cases)]
+        return {name: np.concatenate([of_case[name] for of_case in cases]) for name in everywhere}
 
     @cached_property
     def _exact(self) -> list[ExactSlopes]:
-        return [ExactSlopes(one, self.wanted) for one in self.evaluators]
+        return [ExactSlopes(evaluator, self.wanted) for evaluator in self.evaluators]
 
     def singly(self, values: Mapping[str, float]) -> dict[str, FloatArray]:
         """Values (n_configurations * n_points,) in SI of each quantity, by its name, of one design by single models."""
         at = {name: np.array([value]) for name, value in values.items()}
-        blocks = [VariantBlock(one.model, at, one.quantities, None) for one in self.evaluators]
+        blocks = [VariantBlock(evaluator.model, at, evaluator.quantities, None) for evaluator in self.evaluators]
         return {name: np.concatenate([block.of(name)[0] for block in blocks]) for name in self.wanted}
 
 
@@ -227,8 +237,8 @@ class KeptLevels:
         return self._once("levels", values, points, lambda: self.levels.at(values, points))
 
     def slopes(self, values: FloatArray, points: FloatArray) -> FloatArray:
-        found = self._once("slopes", values, points, lambda: self.levels.slopes(values, points).ravel())
-        return found.reshape(len(points), -1)
+        slopes = self._once("slopes", values, points, lambda: self.levels.slopes(values, points).ravel())
+        return slopes.reshape(len(points), -1)
 
     def maxima(self, values: FloatArray) -> FloatArray:
         return self._once("maxima", values, [], lambda: self.levels.maxima(values))
@@ -251,15 +261,15 @@ def peak_curves(
     Their levels have exact derivatives to the parameters ``names``. Peaks over a measured input whose excitation is
     named, and peaks in bands from 0 Hz, have no curve.
     """
-    found = {}
+    curves = {}
     for name in quantities:
-        parts = [part for one in evaluators for part in _curve(one, name, names)]
+        parts = [part for evaluator in evaluators for part in _curve(evaluator, name, names)]
         # The worst configuration counts, so that a curve is needed in each of them.
         if len(parts) == len(evaluators):
             highest = max(part.band[1] for part in parts)
-            what = f"{name} in {[one.configuration for one in evaluators]}"
-            found[name] = KeptLevels(WorstLevels(tuple(parts), highest), evaluators[0], what, names)
-    return found
+            what = f"{name} in {[evaluator.configuration for evaluator in evaluators]}"
+            curves[name] = KeptLevels(WorstLevels(tuple(parts), highest), evaluators[0], what, names)
+    return curves
 
 
 def _curve(evaluator: Evaluator, name: str, names: tuple[str, ...]) -> Iterator[ReceptanceLevels]:

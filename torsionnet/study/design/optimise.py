@@ -77,12 +77,12 @@ def evolve(
     def report(intermediate_result: OptimizeResult) -> None:
         each(float(intermediate_result.fun))
 
-    found = differential_evolution(
+    solution = differential_evolution(
         merits, Bounds(np.zeros(size), np.ones(size)), strategy="best1bin", mutation=SCALE, recombination=CROSSOVER,
         init=crowd, maxiter=generations, tol=CONVERGED_SPREAD, atol=0, polish=False, vectorized=True,
         updating="deferred", rng=seed, callback=report,
     )  # fmt: skip
-    return np.asarray(found.x)
+    return np.asarray(solution.x)
 
 
 # Local search of the best design, least squares for targets, sequential quadratic programming for objectives.
@@ -134,7 +134,7 @@ def _solved(rows: BoundedRows, start: FloatArray) -> FloatArray:
         return np.concatenate([np.column_stack([kept, np.zeros(len(kept))]), top])
 
     search: Any = scipy.optimize.minimize  # its published types know no constraints that are functions
-    found = search(
+    solution = search(
         (lambda x: float(x[-1])) if several else (lambda x: float(rows.sizes(x)[0])),
         np.append(start, sizes.max()) if several else start,
         jac=(lambda x: np.append(np.zeros(len(x) - 1), 1.0)) if several else (lambda x: rows.size_slopes(x)[0]),
@@ -143,7 +143,7 @@ def _solved(rows: BoundedRows, start: FloatArray) -> FloatArray:
         constraints={"type": "ineq", "fun": inside, "jac": inside_slopes} if several or rows.is_limited else (),
         options={"ftol": OBJECTIVE_TOLERANCE, "maxiter": MOST_PEAK_STEPS if rows.chosen.peaks else MOST_STEPS},
     )
-    return np.asarray(np.clip(found.x[:size], 0.0, 1.0))
+    return np.asarray(np.clip(solution.x[:size], 0.0, 1.0))
 
 
 LEAST_SQUARES_TOLERANCE = 4 * np.finfo(float).eps
@@ -169,14 +169,14 @@ def _fitted(problem: DesignProblem, start: FloatArray) -> FloatArray:
 
     def slopes(place: FloatArray) -> FloatArray:
         moved = problem.jacobian(place)
-        return np.concatenate([one.scale * moved[one.quantity] for one in problem.goals.targets])
+        return np.concatenate([target.scale * moved[target.quantity] for target in problem.goals.targets])
 
     def residuals(place: FloatArray) -> FloatArray:
         return finite(problem.goals.deviations(problem.at(place))[0])
 
     place = np.clip(start, 0.0, 1.0)
     for method in ("trf", "dogbox"):
-        found = scipy.optimize.least_squares(
+        solution = scipy.optimize.least_squares(
             residuals,
             place,
             slopes,
@@ -187,7 +187,7 @@ def _fitted(problem: DesignProblem, start: FloatArray) -> FloatArray:
             gtol=LEAST_SQUARES_TOLERANCE,
             max_nfev=MOST_STEPS,
         )
-        place = np.clip(found.x, 0.0, 1.0)
+        place = np.clip(solution.x, 0.0, 1.0)
         # The interior method (trf) stops short of a bound; away from bounds its answer stands.
         if np.all((place > BOUND_DISTANCE) & (place < 1 - BOUND_DISTANCE)):
             break
@@ -202,14 +202,14 @@ MOST_ROUNDS = 10
 """Most steps to better designs nearby, as a search that still finds better ones then has not converged."""
 
 
-def as_good(problem: DesignProblem, one: Rank, best: Rank) -> bool:
+def as_good(problem: DesignProblem, rank: Rank, best: Rank) -> bool:
     """Whether a design is as good as the best one within the tolerance of a search."""
-    if one[0] > best[0] * (1 + EQUAL_MERIT):
+    if rank[0] > best[0] * (1 + EQUAL_MERIT):
         return False
     # Squared deviations are 0 at best, where a relative tolerance means nothing.
     if problem.goals.targets:
-        return one[1] <= max(TARGET_MET**2, best[1] * (1 + EQUAL_MERIT))
-    return one[1] - best[1] <= EQUAL_MERIT * abs(best[1])
+        return rank[1] <= max(TARGET_MET**2, best[1] * (1 + EQUAL_MERIT))
+    return rank[1] - best[1] <= EQUAL_MERIT * abs(best[1])
 
 
 def check_neighbours(problem: DesignProblem, place: FloatArray, seed: int) -> tuple[FloatArray, bool]:
@@ -221,12 +221,12 @@ def check_neighbours(problem: DesignProblem, place: FloatArray, seed: int) -> tu
     draw = np.random.default_rng(seed)
     rank = problem.ranks(problem.at(place))[0]
     for _ in range(MOST_ROUNDS):
-        other, found = _best_beside(problem, place, draw)
-        if found >= rank:
+        other, beside = _best_beside(problem, place, draw)
+        if beside >= rank:
             return place, True
         # A gain within the tolerance is a finer end of the search, not another design.
-        enough = as_good(problem, rank, found)
-        place, rank = other, found
+        enough = as_good(problem, rank, beside)
+        place, rank = other, beside
         if enough:
             return place, True
     return place, False
@@ -243,9 +243,9 @@ def _best_beside(problem: DesignProblem, place: FloatArray, draw: np.random.Gene
     farthest = min(range(4 * size), key=ranks.__getitem__)
     nearest = min(range(len(ranks)), key=ranks.__getitem__)
     tried = np.array([beside.reshape(-1, size)[nearest], polish(problem, beside[0, farthest])])
-    found = problem.ranks(problem.at(tried))
-    best = min(range(2), key=found.__getitem__)
-    return tried[best], found[best]
+    polished = problem.ranks(problem.at(tried))
+    best = min(range(2), key=polished.__getitem__)
+    return tried[best], polished[best]
 
 
 BEGINNINGS, BESIDE = 5, 2
@@ -301,7 +301,7 @@ def optimise(
     history: list[tuple[float, float]] = []
 
     def note(merit: float) -> None:
-        history.append((float(problem.evaluations), min([merit, *(one for _, one in history[-1:])])))
+        history.append((float(problem.evaluations), min([merit, *(merit_before for _, merit_before in history[-1:])])))
 
     ordered = initial_places(problem)
     first = problem.ranks(problem.at(ordered[:1]))[0]
@@ -313,13 +313,13 @@ def optimise(
         begin = [evolve(problem, ordered, seed, note, generations), *distant_places(ordered, BESIDE)]
     else:
         begin = distant_places(ordered, BEGINNINGS)
-    found = _each_polished(problem, begin)
-    if problem.goals.targets and found[0][0] > (0.0, TARGET_MET**2):
-        found = sorted(
-            [*found, *_each_polished(problem, [evolve(problem, ordered, seed, note, generations)])], key=_by_rank
+    polished = _each_polished(problem, begin)
+    if problem.goals.targets and polished[0][0] > (0.0, TARGET_MET**2):
+        polished = sorted(
+            [*polished, *_each_polished(problem, [evolve(problem, ordered, seed, note, generations)])], key=_by_rank
         )
-    rank, best = found[0]
-    equal = [place for other, place in found if as_good(problem, other, rank)]
+    rank, best = polished[0]
+    equal = [place for other, place in polished if as_good(problem, other, rank)]
     # Two searches that end equally good confirm each other.
     settled = len(equal) > 1
     if not settled:
@@ -329,12 +329,12 @@ def optimise(
     # Of equally good designs the one that changes least.
     best = min(different, key=lambda place: float(np.linalg.norm(place - problem.start)))
     note(rank[1])
-    others = [one for one in different if one is not best]
+    others = [place for place in different if place is not best]
     return _result(problem, best, others, history, single, title, settled=settled)
 
 
-def _by_rank(found: tuple[Rank, FloatArray]) -> Rank:
-    return found[0]
+def _by_rank(polished: tuple[Rank, FloatArray]) -> Rank:
+    return polished[0]
 
 
 def _each_polished(problem: DesignProblem, places: list[FloatArray]) -> list[tuple[Rank, FloatArray]]:
@@ -367,13 +367,13 @@ def _result(
     values = problem.values(best)
     alone = {} if single is None else single(values)
     return DesignOptimum(
-        tuple(replace(one, value=values[one.name]) for one in problem.parameters),
+        tuple(replace(parameter, value=values[parameter.name]) for parameter in problem.parameters),
         problem.goals,
-        {name: one[0] for name, one in given.items()},
-        {name: one[0] for name, one in after.items()},
+        {name: before[0] for name, before in given.items()},
+        {name: row[0] for name, row in after.items()},
         {name: np.atleast_1d(np.asarray(alone[name], float)) for name in problem.goals.quantities if name in alone},
         problem.ranks(after)[0][0],
-        tuple(problem.values(one) for one in others),
+        tuple(problem.values(other) for other in others),
         _free_directions(problem, best),
         np.array(history),
         settled,
@@ -392,7 +392,7 @@ def _free_directions(problem: DesignProblem, best: FloatArray) -> int:
     # A parameter at a bound is not free.
     inside = (best > DIFFERENT_DESIGNS) & (best < 1 - DIFFERENT_DESIGNS)
     moved = problem.jacobian(best)
-    slopes = np.concatenate([one.scale * moved[one.quantity] for one in problem.goals.targets])[:, inside]
+    slopes = np.concatenate([target.scale * moved[target.quantity] for target in problem.goals.targets])[:, inside]
     if np.abs(problem.goals.deviations(problem.at(best))).max() > TARGET_MET:
         lengths = np.linalg.norm(slopes, axis=0)
         return int(np.sum(lengths <= FREE_DIRECTION * lengths.max(initial=0.0)))

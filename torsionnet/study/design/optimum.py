@@ -84,10 +84,10 @@ class DesignAnswer(StudyAnswer):
 
     def parameters(self, study: AskedStudy) -> tuple[DesignParameter, ...]:
         """Design parameters of the study with bounds in SI."""
-        found, faults = chosen_parameters(study, self.design)
+        parameters, faults = chosen_parameters(study, self.design)
         if faults:
             raise ModelError([fault.under("design") for fault in faults], "the design")
-        return tuple(found)
+        return tuple(parameters)
 
     def problem(self, study: AskedStudy, names: tuple[str, ...] = ()) -> tuple[DesignProblem, DesignQuantities]:
         """Design problem of the study, and the function that calculates its quantities.
@@ -98,11 +98,11 @@ class DesignAnswer(StudyAnswer):
         goals = self.goals({**study.limits, **self.limits})
         units = {name: measure_of(study, name).unit for name in goals.quantities if name in study.quantities}
         goals = replace(goals, units=units)
-        varied = tuple(dict.fromkeys([*(one.name for one in parameters), *names]))
+        varied = tuple(dict.fromkeys([*(parameter.name for parameter in parameters), *names]))
         method = "compiled" if compiled_works() else "graph"
-        evaluators = tuple(study.evaluator(one, varied, method) for one in study.configurations)
+        evaluators = tuple(study.evaluator(configuration, varied, method) for configuration in study.configurations)
         quantities = DesignQuantities(evaluators, goals.quantities)
-        acted_on = any(one.model.assembly.kinematics.actions for one in evaluators)
+        acted_on = any(evaluator.model.assembly.kinematics.actions for evaluator in evaluators)
         if names or acted_on:  # no derivatives, neither of samples nor where a torque follows another motion
             return DesignProblem(parameters, goals, quantities), quantities
         curves = peak_curves(goals.quantities, varied, evaluators)
@@ -138,10 +138,10 @@ class SingleDesign(DesignAnswer):
 
     def with_values(self) -> Iterator[tuple[str, float | None, EntryPath]]:
         yield from super().with_values()
-        yield from ((name, one.value, ("targets", name)) for name, one in self.targets.items())
+        yield from ((name, target.value, ("targets", name)) for name, target in self.targets.items())
 
     def goals(self, limits: Mapping[str, QuantityLimit]) -> DesignGoals:
-        targets = tuple(DesignTarget(name, one.value, one.weight) for name, one in self.targets.items())
+        targets = tuple(DesignTarget(name, target.value, target.weight) for name, target in self.targets.items())
         objectives = tuple(
             DesignObjective(names, sense)
             for sense, names in (("minimise", self.minimise), ("maximise", self.maximise))

@@ -82,7 +82,7 @@ class ParetoFront(DrawnConclusion):
 
     @property
     def _sizes(self) -> FloatArray:
-        return np.asarray(self.values * np.array([one.sign for one in self.objectives]))
+        return np.asarray(self.values * np.array([objective.sign for objective in self.objectives]))
 
     @property
     def sentences(self) -> tuple[str, ...]:
@@ -90,10 +90,10 @@ class ParetoFront(DrawnConclusion):
         said = [f"{len(self.designs)} designs by {self.method}, {self.evaluations} calculated, seed {self.seed}"]
         if len(self.designs) == 1:
             return (*said, "one design is the best in every objective: they do not contradict each other")
-        for place, one in enumerate(self.objectives):
+        for place, objective in enumerate(self.objectives):
             at = self.values[self.extremes[place]]
             rest = ", ".join(text for other, text in enumerate(self._value_words(at)) if other != place)
-            said.append(f"the best {one.name} is {with_unit(at[place], self.units[place])}, with {rest}")
+            said.append(f"the best {objective.name} is {with_unit(at[place], self.units[place])}, with {rest}")
         said.append(f"a compromise near the best of all: {', '.join(self._value_words(self.values[self.compromise]))}")
         if np.isfinite(self.disagreement):
             same = self.disagreement <= SAME_QUANTITY
@@ -103,15 +103,15 @@ class ParetoFront(DrawnConclusion):
     def _value_words(self, values: FloatArray) -> list[str]:
         """Words for the values of each objective with their units."""
         return [
-            f"{one.name} {with_unit(value, unit)}"
-            for one, value, unit in zip(self.objectives, values, self.units, strict=True)
+            f"{objective.name} {with_unit(value, unit)}"
+            for objective, value, unit in zip(self.objectives, values, self.units, strict=True)
         ]
 
     def table(self) -> Table:
         """Table of the designs on the Pareto front, a row each, with parameter values and objectives in SI."""
         columns = (
-            *(Column(one.name, one.unit) for one in self.parameters),
-            *(Column(one.name, unit) for one, unit in zip(self.objectives, self.units, strict=True)),
+            *(Column(parameter.name, parameter.unit) for parameter in self.parameters),
+            *(Column(objective.name, unit) for objective, unit in zip(self.objectives, self.units, strict=True)),
         )
         rows = tuple(
             (*design, *values) for design, values in zip(self.designs.tolist(), self.values.tolist(), strict=True)
@@ -121,8 +121,10 @@ class ParetoFront(DrawnConclusion):
     def to_data(self) -> dict[str, Json]:
         """Pareto front as JSON data in SI and full precision."""
         return {
-            "parameters": [one.name for one in self.parameters],
-            "objectives": [{"quantities": list(one.quantities), "sense": one.sense} for one in self.objectives],
+            "parameters": [parameter.name for parameter in self.parameters],
+            "objectives": [
+                {"quantities": list(objective.quantities), "sense": objective.sense} for objective in self.objectives
+            ],
             "designs": self.designs.tolist(),
             "values": self.values.tolist(),
             "given": self.given.tolist(),
@@ -203,17 +205,19 @@ def pareto_front(
         )
     given = _sizes(problem, problem.at(problem.start))[0]
     # The front ends at the optima of each objective alone.
-    ends = [_best_in(problem, one, seed) for one in problem.goals.objectives]
+    ends = [_best_in(problem, objective, seed) for objective in problem.goals.objectives]
     method, places = _evolved(problem, ends, population, generations, seed)
     places = _best_of(problem, np.unique(np.vstack([*ends, places]), axis=0))
     # In order along the front, by the first objective.
     places = places[np.lexsort(_sizes(problem, problem.at(places)).T[::-1])]
     sizes = _sizes(problem, problem.at(places))
-    signs = np.array([one.sign for one in problem.goals.objectives])
+    signs = np.array([objective.sign for objective in problem.goals.objectives])
     designs = problem.box.inside(places)
     middle = designs[nearest_to_best(sizes)]
     return ParetoFront(
-        tuple(replace(one, value=float(value)) for one, value in zip(problem.parameters, middle, strict=True)),
+        tuple(
+            replace(parameter, value=float(value)) for parameter, value in zip(problem.parameters, middle, strict=True)
+        ),
         problem.goals.objectives,
         designs,
         sizes * signs,
@@ -252,10 +256,10 @@ def _evolved(
     class Designs(Problem):  # type: ignore[misc]  # pymoo is not typed
         def _evaluate(self, x: FloatArray, out: dict[str, Any], *args: Any, **kwargs: Any) -> None:
             del args, kwargs
-            found = problem.at(x)
-            out["F"] = np.nan_to_num(_sizes(problem, found), nan=MISSING_OBJECTIVE, posinf=MISSING_OBJECTIVE)
+            values = problem.at(x)
+            out["F"] = np.nan_to_num(_sizes(problem, values), nan=MISSING_OBJECTIVE, posinf=MISSING_OBJECTIVE)
             if limited:
-                out["G"] = np.nan_to_num(problem.goals.excess(found), nan=MISSING_OBJECTIVE, posinf=MISSING_OBJECTIVE)
+                out["G"] = np.nan_to_num(problem.goals.excess(values), nan=MISSING_OBJECTIVE, posinf=MISSING_OBJECTIVE)
 
     size = len(problem.parameters)
     # At least as many even points as designs in the population, a power of two.
@@ -268,40 +272,40 @@ def _evolved(
         algorithm = NSGA3(ref_dirs=directions, pop_size=population, sampling=first)
     else:
         algorithm = NSGA2(pop_size=population, sampling=first)
-    found = minimize(asked, algorithm, ("n_gen", generations), seed=seed, verbose=False)
-    if found.X is None or (np.atleast_2d(found.F) >= MISSING_OBJECTIVE).all():
+    front = minimize(asked, algorithm, ("n_gen", generations), seed=seed, verbose=False)
+    if front.X is None or (np.atleast_2d(front.F) >= MISSING_OBJECTIVE).all():
         raise SolveError(
             "no design within the bounds was found that keeps all limits; widen the bounds, or relax a limit",
             kind="no-solution",
         )
-    return method, np.atleast_2d(found.X)
+    return method, np.atleast_2d(front.X)
 
 
 def _best_of(problem: DesignProblem, places: FloatArray) -> FloatArray:
     """Points (k, n_p) of the designs among n that keep limits and are not dominated by another."""
-    found = problem.at(places)
-    kept = problem.goals.violation(found) <= FEASIBLE_EXCESS
-    places, sizes = places[kept], _sizes(problem, found)[kept]
+    values = problem.at(places)
+    kept = problem.goals.violation(values) <= FEASIBLE_EXCESS
+    places, sizes = places[kept], _sizes(problem, values)[kept]
     # A design is dominated by one that is nowhere worse and somewhere better.
     no_worse = np.all(sizes[:, None] <= sizes[None], axis=2)
     better = no_worse & np.any(sizes[:, None] < sizes[None], axis=2)
     return np.asarray(places[~better.any(axis=0)])
 
 
-def _sizes(problem: DesignProblem, found: Found) -> FloatArray:
+def _sizes(problem: DesignProblem, values: Found) -> FloatArray:
     """Objectives (n, n_objectives) of n designs with signs such that all are to be small."""
-    return np.stack([one.columns(found).max(axis=1) for one in problem.goals.objectives], axis=1)
+    return np.stack([objective.columns(values).max(axis=1) for objective in problem.goals.objectives], axis=1)
 
 
 def _disagreement(problem: DesignProblem, places: FloatArray, single: Single) -> float:
     chosen = np.unique(np.linspace(0, len(places) - 1, VERIFIED_DESIGNS).round().astype(int))
-    found = problem.at(places[chosen])
+    values = problem.at(places[chosen])
     apart = 0.0
     for row, place in enumerate(places[chosen]):
         alone = single(problem.values(place))
         for name in problem.goals.quantities:
             own = np.atleast_1d(np.asarray(alone[name], float))
-            apart = max(apart, float(np.max(np.abs(found[name][row] - own) / max(float(np.abs(own).max()), 1e-300))))
+            apart = max(apart, float(np.max(np.abs(values[name][row] - own) / max(float(np.abs(own).max()), 1e-300))))
     return apart
 
 

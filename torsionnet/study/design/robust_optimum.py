@@ -117,13 +117,13 @@ class RobustOptimum(DrawnConclusion):
         said = []
         for name in self.robust.after:
             unit = self._unit(name)
-            sizes = ", ".join(f"{one.label} {with_unit(one.measures[name], unit)}" for one in self.designs)
+            sizes = ", ".join(f"{design.label} {with_unit(design.measures[name], unit)}" for design in self.designs)
             said.append(f"{name}: {sizes}")
         if self.limited:
-            for one in self.designs:
-                share, low, high = one.share_kept
+            for design in self.designs:
+                share, low, high = design.share_kept
                 said.append(
-                    f"{one.label}: {100 * share:.4g} % keep all limits ({100 * low:.4g} to {100 * high:.4g} %, "
+                    f"{design.label}: {100 * share:.4g} % keep all limits ({100 * low:.4g} to {100 * high:.4g} %, "
                     f"{100 * CONFIDENCE:g} % confidence)"
                 )
         said.append(f"chosen on {self.samples} samples (seed {self.seed}), compared on {self.designs[0].count} others")
@@ -136,10 +136,10 @@ class RobustOptimum(DrawnConclusion):
 
     def table(self) -> Table:
         """Table of a robust design with a row for each parameter and measure, a column for each design compared."""
-        columns = (Column(""), Column("unit"), *(Column(one.label) for one in self.designs))
+        columns = (Column(""), Column("unit"), *(Column(design.label) for design in self.designs))
         rows: list[tuple[object, ...]] = [
-            (one.name, one.unit, *(design.values[one.name] for design in self.designs))
-            for one in self.robust.parameters
+            (parameter.name, parameter.unit, *(design.values[parameter.name] for design in self.designs))
+            for parameter in self.robust.parameters
         ]
         for what in ("mean", "deviation"):
             for name in getattr(self.designs[0], what):
@@ -147,9 +147,11 @@ class RobustOptimum(DrawnConclusion):
                 rows.append(
                     (f"{word} {name}", self._unit(name), *(getattr(design, what)[name] for design in self.designs))
                 )
-        rows += [(name, self._unit(name), *(one.measures[name] for one in self.designs)) for name in self.robust.after]
+        rows += [
+            (name, self._unit(name), *(design.measures[name] for design in self.designs)) for name in self.robust.after
+        ]
         if self.limited:
-            rows.append(("share that keeps all limits", "", *(one.share_kept[0] for one in self.designs)))
+            rows.append(("share that keeps all limits", "", *(design.share_kept[0] for design in self.designs)))
         return Table.of(self.title, "robust optimum", columns, tuple(rows), self.sentences)
 
     def to_data(self) -> dict[str, Json]:
@@ -160,15 +162,15 @@ class RobustOptimum(DrawnConclusion):
             "seed": self.seed,
             "designs": [
                 {
-                    "label": one.label,
-                    "values": one.values,
-                    "measures": one.measures,
-                    "mean": one.mean,
-                    "deviation": one.deviation,
-                    "kept": one.kept,
-                    "count": one.count,
+                    "label": design.label,
+                    "values": design.values,
+                    "measures": design.measures,
+                    "mean": design.mean,
+                    "deviation": design.deviation,
+                    "kept": design.kept,
+                    "count": design.count,
                 }
-                for one in self.designs
+                for design in self.designs
             ],
             "robust": self.robust.to_data(),
             "nominal": None if self.nominal is None else self.nominal.to_data(),
@@ -222,11 +224,11 @@ def robust_optimum(
     if problem.goals.targets or problem.goals.objectives:
         nominal = optimise(problem, single=single, seed=seed, title=title)
         # From the nominal optimum on, so that the robust one is never worse.
-        begun = tuple(replace(one, start=nominal.values[one.name]) for one in asked.parameters)
+        begun = tuple(replace(parameter, start=nominal.values[parameter.name]) for parameter in asked.parameters)
         asked = replace(asked, parameters=begun)
     robust = optimise(asked, seed=seed, generations=ROBUST_GENERATIONS, title=title)
     judged = RobustQuantities(problem, tolerances.random_draws(compared, seed + COMPARISON_SEED_OFFSET), measure)
-    given = {one.name: one.start for one in problem.parameters}
+    given = {parameter.name: parameter.start for parameter in problem.parameters}
     labelled = {"as given": given, "nominal": nominal.values if nominal else None, "robust": robust.values}
     designs = tuple(_judged(judged, label, values) for label, values in labelled.items() if values is not None)
     return RobustOptimum(robust, nominal, designs, bool(problem.goals.limits), drawn.count, seed, title)
@@ -240,7 +242,7 @@ def _judged(judged: RobustQuantities, label: str, values: dict[str, float]) -> S
     return ScatteredDesign(
         label,
         values,
-        {name: float(one[0]) for name, one in judged(design).items()},
+        {name: float(values_of[0]) for name, values_of in judged(design).items()},
         {name: float(samples[name].mean()) for name in shown},
         {name: float(samples[name].std()) for name in shown},
         int(np.sum(kept <= 0)),
@@ -271,14 +273,14 @@ class SpaceDraws:
     def around(self, designs: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         """Values (n * count,) in SI of each parameter, by name, around n designs, the first design's samples first."""
         size = len(next(iter(designs.values())))
-        found = {name: np.repeat(values, self.count) for name, values in designs.items()}
+        samples = {name: np.repeat(values, self.count) for name, values in designs.items()}
         for name, drawn in self.drawn.items():
             if name in designs:
                 # A tolerance scales with the design: draws are about the value of the model.
-                found[name] = np.outer(designs[name] / self.nominal[name], drawn).ravel()
+                samples[name] = np.outer(designs[name] / self.nominal[name], drawn).ravel()
             else:
-                found[name] = np.tile(drawn, size)
-        return found
+                samples[name] = np.tile(drawn, size)
+        return samples
 
 
 @dataclass(frozen=True, eq=False)

@@ -171,24 +171,24 @@ class RobustQuantities:
     def samples(self, designs: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         """Worst values (n, count) in SI over the points of objectives, deviations and limits in n designs' samples."""
         goals, count = self.problem.goals, self.tolerances.count
-        found = self._found(designs)
+        values_at = self._found(designs)
         worst: dict[str, FloatArray] = {}
-        for one in goals.objectives:
+        for objective in goals.objectives:
             # The worst point of a sample, with the sign that makes large bad.
-            worst[one.name] = one.sign * one.columns(found).max(axis=1)
+            worst[objective.name] = objective.sign * objective.columns(values_at).max(axis=1)
         if goals.targets:
-            worst[DEVIATION] = np.sum(goals.deviations(found) ** 2, axis=1)
+            worst[DEVIATION] = np.sum(goals.deviations(values_at) ** 2, axis=1)
         if goals.limits:
-            worst[EXCESS] = goals.excess(found).max(axis=1)
+            worst[EXCESS] = goals.excess(values_at).max(axis=1)
         for name in goals.limits:
-            worst |= {_side(name, sign): sign * (sign * found[name]).max(axis=1) for sign in (1.0, -1.0)}
+            worst |= {_side(name, sign): sign * (sign * values_at[name]).max(axis=1) for sign in (1.0, -1.0)}
         return {name: values.reshape(-1, count) for name, values in worst.items()}
 
     def _found(self, designs: Mapping[str, FloatArray]) -> Found:
-        found = self.problem.evaluate(self.tolerances.around(designs))
-        self.problem.goals.check(found)
+        values = self.problem.evaluate(self.tolerances.around(designs))
+        self.problem.goals.check(values)
         size = len(next(iter(designs.values()))) * self.tolerances.count
-        return {name: np.asarray(found[name], float).reshape(size, -1) for name in self.problem.goals.quantities}
+        return {name: np.asarray(values[name], float).reshape(size, -1) for name in self.problem.goals.quantities}
 
     def wanted(self) -> list[tuple[str, float, RobustMeasure]]:
         """List of the objectives of a robust design, each with name, sign of the bad side, and robust measure."""
@@ -198,7 +198,7 @@ class RobustQuantities:
         if goals.targets:
             # Targets have one measure: the mean of the squared deviation.
             return [(DEVIATION, 1.0, MeanAndDeviation(0.0))]
-        return [(one.name, one.sign, self.measure) for one in goals.objectives]
+        return [(objective.name, objective.sign, self.measure) for objective in goals.objectives]
 
 
 def robust_problem(problem: DesignProblem, tolerances: DrawnTolerances, measure: RobustMeasure) -> DesignProblem:
@@ -233,7 +233,7 @@ def _units(goals: DesignGoals, robustly: RobustQuantities) -> dict[str, str]:
     """SI units of robust measures and of their quantities, by name; shares and squares have none."""
     if isinstance(robustly.measure, Rejects):
         return {}
-    known = {**goals.units, **{one.name: goals.unit_of(one) for one in goals.objectives}}
+    known = {**goals.units, **{objective.name: goals.unit_of(objective) for objective in goals.objectives}}
     measured = {how.name(name, sign): known.get(name, "") for name, sign, how in robustly.wanted()}
     limited = {robustly.measure.name(name, sign): known.get(name, "") for name in goals.limits for sign in (1.0, -1.0)}
     return known | limited | measured

@@ -50,12 +50,12 @@ class CriticalSpeedMargin(StudyQuantity):
 
     def model_faults(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
         del quantities
-        found = list(usage_faults(lambda: self._asked(model)))
-        yield from found or usage_faults(lambda: self._ranges(model), *(("orders",) if self.orders else ()))
+        faults = list(usage_faults(lambda: self._asked(model)))
+        yield from faults or usage_faults(lambda: self._ranges(model), *(("orders",) if self.orders else ()))
 
     @property
     def words(self) -> str:
-        orders = f"orders {', '.join(f'{one:g}' for one in self.orders)}" if self.orders else "all orders"
+        orders = f"orders {', '.join(f'{order:g}' for order in self.orders)}" if self.orders else "all orders"
         acting = f" of {', '.join(self.excitations)}" if self.excitations else ""
         over = "" if self.speeds is None else f" {speed_words(self.speeds)}"
         return f"relative distance of the nearest natural frequency from the frequencies of {orders}{acting}{over}"
@@ -81,8 +81,8 @@ class CriticalSpeedMargin(StudyQuantity):
         return np.asarray(smallest[:, None])
 
     def _of(self, model: Drivetrain) -> float:
-        found = [one.margin for one in order_margins(model, **self._question) if self._counts(one.order)]
-        return min((one for one in found if one >= 0), default=float("nan"))
+        margins = [margin.margin for margin in order_margins(model, **self._question) if self._counts(margin.order)]
+        return min((margin for margin in margins if margin >= 0), default=float("nan"))
 
     @property
     def _question(self) -> dict[str, Any]:
@@ -96,14 +96,14 @@ class CriticalSpeedMargin(StudyQuantity):
         """Lowest and highest excitation frequency in Hz of every order."""
         lines, speed_range = self._asked(model)
         every = [line for group in lines.values() for line in group]
-        found = [excited_frequencies(line, speed_range) for line in every if self._counts(line.order)]
-        if not found:
+        ranges = [excited_frequencies(line, speed_range) for line in every if self._counts(line.order)]
+        if not ranges:
             orders = ", ".join(f"{order:g}" for order in self.orders)
             raise UsageError(f"no order {orders} acts; there are {', '.join(map(str, every))}", kind="unknown-order")
-        return found
+        return ranges
 
     def _counts(self, order: float) -> bool:
-        return not self.orders or any(abs(order - one) <= 1e-9 * one for one in self.orders)
+        return not self.orders or any(abs(order - asked) <= 1e-9 * asked for asked in self.orders)
 
     def _shared(self, block: VariantBlock) -> bool:
         """Whether the same modes hold at all speeds and under all excitations."""
@@ -193,6 +193,6 @@ class Utilisation(SpeedQuantity):
             refine=refine,
         )
         verdicts = [check.of(self.limit, self.criterion)] if self.limit and self.criterion else check.verdicts
-        found = [one.utilisation[one.worst] for one in verdicts if one.worst is not None]
-        judged = all(one.worst is not None or one.verdict == "pass" for one in verdicts)
-        return float(np.max(found)) if found and judged else float("nan")
+        utilisations = [verdict.utilisation[verdict.worst] for verdict in verdicts if verdict.worst is not None]
+        judged = all(verdict.worst is not None or verdict.verdict == "pass" for verdict in verdicts)
+        return float(np.max(utilisations)) if utilisations and judged else float("nan")

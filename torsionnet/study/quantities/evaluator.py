@@ -83,8 +83,8 @@ class Evaluator:
         The last two columns are the lowest and the highest frequency in Hz at which laws over frequency were read.
         """
         block = self.block(values)
-        found = [block.of(name) for name in names]
-        return np.concatenate([*found, np.tile(block.read, (len(block), 1))], axis=1)
+        columns = [block.of(name) for name in names]
+        return np.concatenate([*columns, np.tile(block.read, (len(block), 1))], axis=1)
 
     def __call__(self, values: Values, names: tuple[str, ...] = ()) -> dict[str, FloatArray]:
         """Quantities by name in SI, (n,) of numbers, (n, n_points) of curves, all of them or those in ``names``.

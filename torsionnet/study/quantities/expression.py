@@ -35,12 +35,12 @@ class QuantityFormula(Spec[Expression]):
         if not isinstance(raw, str):
             raise EntryError(f"expected an expression of other quantities, as f_2/f_1, {got(raw)}", kind="wrong-form")
         try:
-            found = parse_expression(raw)
+            expression = parse_expression(raw)
         except ExpressionError as error:
             raise EntryError(error.fault) from None
-        if not found.names:
+        if not expression.names:
             raise EntryError(f'"{raw}" names no quantity', kind="wrong-form")
-        return found
+        return expression
 
     def plain(self, value: Any) -> Json:
         return str(value)
@@ -94,10 +94,10 @@ class QuantityExpression(StudyQuantity):
         for name in sorted(self.of.names):
             if name in above:
                 return (*above[above.index(name) :], name)
-            one = quantities.get(name)
-            found = one.circle(quantities, (*above, name)) if isinstance(one, QuantityExpression) else ()
-            if found:
-                return found
+            quantity = quantities.get(name)
+            circle = quantity.circle(quantities, (*above, name)) if isinstance(quantity, QuantityExpression) else ()
+            if circle:
+                return circle
         return ()
 
     def has_all(self, quantities: Mapping[str, StudyQuantity]) -> bool:
@@ -105,7 +105,7 @@ class QuantityExpression(StudyQuantity):
         if not self.of.names <= quantities.keys():
             return False
         below = [quantities[name] for name in self.of.names]
-        return all(one.has_all(quantities) for one in below if isinstance(one, QuantityExpression))
+        return all(quantity.has_all(quantities) for quantity in below if isinstance(quantity, QuantityExpression))
 
     @property
     def words(self) -> str:
@@ -117,9 +117,9 @@ class QuantityExpression(StudyQuantity):
 
     def measured(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> QuantityForm:
         parts = {name: quantities[name].measured(model, quantities) for name in self.of.names}
-        curves = [one for one in parts.values() if one.is_curve]
-        for one in curves[1:]:
-            if one.over != curves[0].over or not np.array_equal(one.points, curves[0].points):
+        curves = [part for part in parts.values() if part.is_curve]
+        for curve in curves[1:]:
+            if curve.over != curves[0].over or not np.array_equal(curve.points, curves[0].points):
                 text = f"{self.of} combines curves over different points"
                 raise UsageError(
                     f"{text}; give them the same frequencies or speeds, or take a number of each", kind="unlike-results"
@@ -129,10 +129,10 @@ class QuantityExpression(StudyQuantity):
 
     def _unit(self, parts: Mapping[str, QuantityForm]) -> str:
         try:
-            found = self.of.dimension({name: _dimension(one.unit) for name, one in parts.items()})
+            dimension = self.of.dimension({name: _dimension(form.unit) for name, form in parts.items()})
         except ExpressionError as error:
             raise UsageError(error.fault) from None
-        return "" if found in (None, DIMENSIONS["1"]) else str(found)
+        return "" if dimension in (None, DIMENSIONS["1"]) else str(dimension)
 
     def evaluate(self, block: VariantBlock) -> FloatArray:
         circle = self.circle(block.quantities)
@@ -186,10 +186,10 @@ class UserFunction(StudyQuantity):
             given = "complex values; take a magnitude, a phase or a part" if value.dtype.kind == "c" else "no numbers"
             yield Fault(f"{self.function_name} gives {given}", kind="wrong-form")
             return
-        expected, found = np.shape(self.points) or (1,), value.shape
-        if found != (expected if self.over else (1,)):
+        expected, shape = np.shape(self.points) or (1,), value.shape
+        if shape != (expected if self.over else (1,)):
             wanted = expected if self.over else "one number"
-            yield Fault(f"{self.function_name} gives values of shape {found}; expected {wanted}", kind="wrong-form")
+            yield Fault(f"{self.function_name} gives values of shape {shape}; expected {wanted}", kind="wrong-form")
 
     @property
     def words(self) -> str:
@@ -240,8 +240,11 @@ def _digest(of: Callable[..., Any]) -> str:
     if code is None:
         return ""
     values = [cell.cell_contents for cell in of.__closure__ or ()]
-    values += [*(of.__defaults__ or ()), *(one for pair in sorted((of.__kwdefaults__ or {}).items()) for one in pair)]
-    return hashlib.sha256(repr((_essence(code), [_shown(one) for one in values])).encode()).hexdigest()[:16]
+    values += [
+        *(of.__defaults__ or ()),
+        *(default for pair in sorted((of.__kwdefaults__ or {}).items()) for default in pair),
+    ]
+    return hashlib.sha256(repr((_essence(code), [_shown(constant) for constant in values])).encode()).hexdigest()[:16]
 
 
 def _shown(value: Any) -> str:
@@ -254,7 +257,9 @@ def _shown(value: Any) -> str:
 
 def _essence(code: CodeType) -> tuple[Any, ...]:
     """Byte code, names and constants of a function, without file names and line numbers."""
-    constants = [_essence(one) if isinstance(one, CodeType) else _in_order(one) for one in code.co_consts]
+    constants = [
+        _essence(constant) if isinstance(constant, CodeType) else _in_order(constant) for constant in code.co_consts
+    ]
     return code.co_code, code.co_names, constants
 
 

@@ -75,8 +75,8 @@ def nth_vibration(eigenvalues: ComplexArray, number: int) -> ComplexArray:
     if places.shape[1] < number:
         return np.full(len(eigenvalues), complex(np.nan, np.nan))
     place = places[:, number - 1 : number]
-    found = np.take_along_axis(eigenvalues, place, axis=1)[:, 0]
-    return np.where(np.take_along_axis(vibrates, place, axis=1)[:, 0], found, complex(np.nan, np.nan))
+    vibration = np.take_along_axis(eigenvalues, place, axis=1)[:, 0]
+    return np.where(np.take_along_axis(vibrates, place, axis=1)[:, 0], vibration, complex(np.nan, np.nan))
 
 
 def vibrating(modes: Modes) -> list[int]:
@@ -136,8 +136,8 @@ class NaturalFrequency(ModeQuantity):
     def evaluate(self, block: VariantBlock) -> FloatArray:
         if self.which == UNDAMPED:
             return self.undamped(block)
-        found = self.eigenvalue(block)
-        size = np.abs(found) if self.which == "natural" else found.imag
+        eigenvalue = self.eigenvalue(block)
+        size = np.abs(eigenvalue) if self.which == "natural" else eigenvalue.imag
         return np.asarray(size[:, None] / (2 * np.pi))
 
     def undamped(self, block: VariantBlock) -> FloatArray:
@@ -176,5 +176,5 @@ class DampingRatio(ModeQuantity):
         return QuantityForm()
 
     def evaluate(self, block: VariantBlock) -> FloatArray:
-        found = self.eigenvalue(block)
-        return np.asarray((-found.real / np.abs(found))[:, None])
+        eigenvalue = self.eigenvalue(block)
+        return np.asarray((-eigenvalue.real / np.abs(eigenvalue))[:, None])

@@ -43,7 +43,9 @@ def order_responses(
                 yield index, run
         return
     loads = question.loads(speeds)
-    channels = tuple(one.channel for one in cached_request(block.model, output, list(loads.inputs), None).outputs)
+    channels = tuple(
+        reading.channel for reading in cached_request(block.model, output, list(loads.inputs), None).outputs
+    )
     frequencies = loads.frequencies
     moving = frequencies[frequencies > 0]
     for which, part in block.parts(len(moving) * len(loads.inputs)):
@@ -60,12 +62,12 @@ def responses_at(
 ) -> Iterator[OrderResponse]:
     """Yield the order response of each variant at its own speeds in rad/s."""
     loads = [question.loads(own) for own in speeds]
-    moving = [one.frequencies[one.frequencies > 0] for one in loads]
+    moving = [load.frequencies[load.frequencies > 0] for load in loads]
     longest = max(map(len, moving))
     # Rows have one length: the last frequency again and again where there are fewer.
     frequencies = np.stack([np.append(own, np.full(longest - len(own), own[-1])) for own in moving])
     inputs = loads[0].inputs
-    channels = tuple(one.channel for one in cached_request(block.model, output, list(inputs), None).outputs)
+    channels = tuple(reading.channel for reading in cached_request(block.model, output, list(inputs), None).outputs)
     first = 0
     for _, part in block.parts(longest * len(inputs)):
         count = len(part)
@@ -123,8 +125,8 @@ def largest_orders(
     around = [
         new_speeds(first, around_poles(poles[index][np.isfinite(poles[index])], lines, first)) for index in places
     ]
-    found = refine_speeds(search.looked(curves, around), _all_wanted, search.looked)
-    yield from ((index, float(curve.values.max())) for index, curve in zip(places, found, strict=True))
+    refined = refine_speeds(search.looked(curves, around), _all_wanted, search.looked)
+    yield from ((index, float(curve.values.max())) for index, curve in zip(places, refined, strict=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,8 +148,8 @@ def _all_wanted(curves: Sequence[_Curve]) -> list[FloatArray]:
 
     An empty list where no variant needs any.
     """
-    found = [speeds_to_refine(curve.speeds, curve.values[:, None]) for curve in curves]
-    return found if any(len(one) for one in found) else []
+    further = [speeds_to_refine(curve.speeds, curve.values[:, None]) for curve in curves]
+    return further if any(len(speeds) for speeds in further) else []
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,13 +165,13 @@ class _Search:
     def looked(self, curves: list[_Curve], speeds: list[FloatArray]) -> list[_Curve]:
         """Curves of each variant's sizes over speed in rad/s, with the sizes at further speeds added."""
         some = [number for number, those in enumerate(speeds) if len(those)]
-        found = list(curves)
+        refined = list(curves)
         if some:
             own = self._part(self.places[some])
             runs = responses_at(own, self.output, self.question, [speeds[number] for number in some])
             for number, run in zip(some, runs, strict=True):
-                found[number] = found[number].with_more(speeds[number], self.sizes(run))
-        return found
+                refined[number] = refined[number].with_more(speeds[number], self.sizes(run))
+        return refined
 
     def _part(self, places: NDArray[np.intp]) -> VariantBlock:
         values = {name: column[places] for name, column in self.block.values.items()}
@@ -224,8 +226,8 @@ class OrderTorque(SpeedQuantity):
 
     def model_faults(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
         del quantities
-        found = [*usage_faults(lambda: named_output(model, self.output), "output"), *self.empty_range_faults(model)]
-        yield from found or usage_faults(lambda: self._of(self._alone(model)), *(("order",) if self.order else ()))
+        faults = [*usage_faults(lambda: named_output(model, self.output), "output"), *self.empty_range_faults(model)]
+        yield from faults or usage_faults(lambda: self._of(self._alone(model)), *(("order",) if self.order else ()))
 
     @property
     def words(self) -> str:
@@ -238,14 +240,14 @@ class OrderTorque(SpeedQuantity):
 
     def evaluate(self, block: VariantBlock) -> FloatArray:
         speeds, acting = self.at(block.model), self.excitations or None
-        found = np.full((len(block), len(speeds) if self.curve else 1), np.nan)
+        torques = np.full((len(block), len(speeds) if self.curve else 1), np.nan)
         if self.is_range(block.model) and not self.curve:
             for index, largest in largest_orders(block, self.output, speeds, acting, self._sizes):
-                found[index] = largest
-            return found
+                torques[index] = largest
+            return torques
         for index, run in order_responses(block, self.output, speeds, acting):
-            found[index] = self._of(run)
-        return found
+            torques[index] = self._of(run)
+        return torques
 
     def _alone(self, model: Drivetrain) -> OrderResponse:
         """Order response of the nominal model at its first speed, for the faults that any speed would have."""

@@ -105,13 +105,13 @@ def _candidates(values: FloatArray) -> tuple[NDArray[np.intp], NDArray[np.bool_]
     rim = np.full((len(values), 1), -np.inf)
     before, after = np.hstack([rim, values[:, :-1]]), np.hstack([values[:, 1:], rim])
     promise = np.where((values >= before) & (values >= after), _promised(values), -np.inf)
-    found = np.argsort(-promise, axis=1, kind="stable")[:, :CANDIDATES]
-    return found, _rows_of(promise, found) > -np.inf
+    places = np.argsort(-promise, axis=1, kind="stable")[:, :CANDIDATES]
+    return places, _rows_of(promise, places) > -np.inf
 
 
 def _promised(values: FloatArray) -> FloatArray:
     """Estimated heights of peaks at each point by a parabola through 1/|H|^2, infinite where it reaches 0."""
-    found = values.copy()
+    heights = values.copy()
     with np.errstate(all="ignore"):
         inverse = values**-2.0
         before, here, after = inverse[..., :-2], inverse[..., 1:-1], inverse[..., 2:]
@@ -119,8 +119,8 @@ def _promised(values: FloatArray) -> FloatArray:
         bend = before - 2 * here + after
         bottom = here - np.where(bend > 0, (before - after) ** 2 / (8 * bend), 0)
         inner = np.where(bottom > 0, bottom**-0.5, np.inf)
-    found[..., 1:-1] = np.where(np.isnan(inner), values[..., 1:-1], inner)
-    return found
+    heights[..., 1:-1] = np.where(np.isnan(inner), values[..., 1:-1], inner)
+    return heights
 
 
 def _vertex(look: _Look) -> tuple[FloatArray, NDArray[np.bool_]]:
@@ -167,10 +167,10 @@ class PeakQuantity(TransferQuantity):
 
     def _searched(self, block: VariantBlock) -> BandPeaks:
         grid = band_grid(*self.band)
-        found = BandPeaks(np.empty(len(block)), np.empty(len(block)))
+        peaks = BandPeaks(np.empty(len(block)), np.empty(len(block)))
         for which, part in block.parts(max(len(grid), CANDIDATES * POINTS)):
-            found.magnitude[which], found.frequency[which] = largest(partial(self._magnitude, part), grid)
-        return found
+            peaks.magnitude[which], peaks.frequency[which] = largest(partial(self._magnitude, part), grid)
+        return peaks
 
     def _magnitude(self, block: VariantBlock, frequencies: FloatArray) -> FloatArray:
         return np.abs(self.values(block, frequencies))

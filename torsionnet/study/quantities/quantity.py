@@ -121,12 +121,12 @@ class QuantityValue(AnyNumber):
     def coerce(self, raw: object) -> float:
         if isinstance(raw, ValueInUnit):
             return raw
-        found = ValueInUnit(super().coerce(raw))
+        value_in_unit = ValueInUnit(super().coerce(raw))
         value = read_scalar(raw)
         if isinstance(value, Number):
-            found.dimension = value.unit_dimension
-            found.unit = "" if value.unit_written == CELSIUS else value.unit_written
-        return found
+            value_in_unit.dimension = value.unit_dimension
+            value_in_unit.unit = "" if value.unit_written == CELSIUS else value.unit_written
+        return value_in_unit
 
 
 def wrong_unit(value: float | None, quantity: str, unit: str, path: EntryPath) -> Iterator[Fault]:

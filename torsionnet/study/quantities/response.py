@@ -27,13 +27,13 @@ class FrequencyList(Spec[tuple[float, ...]]):
     def coerce(self, raw: object) -> tuple[float, ...]:
         if not isinstance(raw, list | tuple):
             return (_FREQUENCY.coerce(raw),)
-        found = tuple(coerce_part(place, _FREQUENCY, one) for place, one in enumerate(raw))
-        if not found or any(second <= first for first, second in pairwise(found)):
+        frequencies = tuple(coerce_part(place, _FREQUENCY, frequency) for place, frequency in enumerate(raw))
+        if not frequencies or any(second <= first for first, second in pairwise(frequencies)):
             raise EntryError(f"expected a frequency or a list of frequencies that rises, {got(raw)}", kind="wrong-form")
-        return found
+        return frequencies
 
     def plain(self, value: Any) -> Json:
-        return [f"{one!r} Hz" for one in value] if len(value) > 1 else f"{value[0]!r} Hz"
+        return [f"{frequency!r} Hz" for frequency in value] if len(value) > 1 else f"{value[0]!r} Hz"
 
     def schema(self) -> Schema:
         one_or_more: list[Json] = [SCALAR_SCHEMA, {"type": "array", "items": SCALAR_SCHEMA, "minItems": 1}]
@@ -121,7 +121,7 @@ class ResponseQuantity(TransferQuantity):
             else f"{self.part} part"
         )
         if self.at is not None:
-            return f"{what} of {self.quotient} at {', '.join(f'{one:g}' for one in self.at)} Hz"
+            return f"{what} of {self.quotient} at {', '.join(f'{frequency:g}' for frequency in self.at)} Hz"
         low, high = not_none(self.band)
         return f"{what} of {self.quotient} from {low:g} to {high:g} Hz, {len(self.frequencies)} points"
 
@@ -132,10 +132,10 @@ class ResponseQuantity(TransferQuantity):
 
     def evaluate(self, block: VariantBlock) -> FloatArray:
         frequencies = self.frequencies
-        found = np.empty((len(block), len(frequencies)))
+        values = np.empty((len(block), len(frequencies)))
         for which, part in block.parts(len(frequencies)):
-            found[which] = PARTS[self.part](self.values(part, frequencies))
-        return found
+            values[which] = PARTS[self.part](self.values(part, frequencies))
+        return values
 
 
 # Band mean, a quantity of a study, the mean magnitude of a transfer function over a frequency band.
@@ -163,8 +163,8 @@ class BandMean(TransferQuantity):
     def evaluate(self, block: VariantBlock) -> FloatArray:
         low, high = self.band
         frequencies = np.linspace(low, high, self.points)
-        found = np.empty((len(block), 1))
+        means = np.empty((len(block), 1))
         for which, part in block.parts(self.points):
             sizes = np.abs(self.values(part, frequencies))
-            found[which, 0] = sizes.mean(axis=1) if self.mean == "arithmetic" else np.sqrt((sizes**2).mean(axis=1))
-        return found
+            means[which, 0] = sizes.mean(axis=1) if self.mean == "arithmetic" else np.sqrt((sizes**2).mean(axis=1))
+        return means

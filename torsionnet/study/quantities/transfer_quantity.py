@@ -41,8 +41,8 @@ class TransferQuantity(StudyQuantity):
             ("output", lambda: named_output(model, self.output)),
             ("input", lambda: resolve_inputs(model, self.input, self.excitation)),
         )
-        found = [fault for name, ask in asked for fault in usage_faults(ask, name)]
-        yield from found or usage_faults(
+        faults = [fault for name, ask in asked for fault in usage_faults(ask, name)]
+        yield from faults or usage_faults(
             lambda: cached_request(model, self.output, self.input, self.excitation), "input"
         )
 
@@ -55,8 +55,8 @@ class TransferQuantity(StudyQuantity):
     def unit(self, model: Drivetrain) -> str:
         """SI unit of the transfer function, that of the output over that of the input, empty if it has none."""
         request = cached_request(model, self.output, self.input, self.excitation)
-        found = quotient_unit(request.outputs[0].unit, request.measured[0].unit)
-        return "" if found == "1" else found
+        unit = quotient_unit(request.outputs[0].unit, request.measured[0].unit)
+        return "" if unit == "1" else unit
 
     def values(self, block: VariantBlock, frequencies: FloatArray) -> ComplexArray:
         """Transfer function (n_variants, n_f) in SI at frequencies (n_f,) or (n_variants, n_f) in Hz."""
@@ -92,11 +92,11 @@ class SpeedQuantity(StudyQuantity):
     def at(self, model: Drivetrain) -> FloatArray:
         """Speeds (n_speeds,) in rad/s at which the quantity is calculated; empty where the model has no speeds."""
         given = model.definition.speeds
-        found = np.array(given.values if given else ())
+        speeds = np.array(given.values if given else ())
         if self.speeds is not None:
             low, high = self.speeds
-            found = found[(found >= low * (1 - 1e-9)) & (found <= high * (1 + 1e-9))]
-        return np.append(found[:-1][:: self.every], found[-1:])
+            speeds = speeds[(speeds >= low * (1 - 1e-9)) & (speeds <= high * (1 + 1e-9))]
+        return np.append(speeds[:-1][:: self.every], speeds[-1:])
 
     @staticmethod
     def is_range(model: Drivetrain) -> bool:

@@ -211,11 +211,11 @@ class TransientPeak(StudyQuantity):
 
     def model_faults(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
         del quantities
-        found = [
+        faults = [
             *usage_faults(lambda: named_output(model, self.output), "output"),
             *usage_faults(lambda: resolve_inputs(model, self.input, None), "input"),
         ]
-        yield from found or usage_faults(lambda: self._motion(model, self.torques(model)))
+        yield from faults or usage_faults(lambda: self._motion(model, self.torques(model)))
 
     @property
     def words(self) -> str:
@@ -294,11 +294,11 @@ class ScenarioPeak(StudyQuantity):
 
     def model_faults(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
         del quantities
-        found = [
+        faults = [
             *usage_faults(lambda: named_output(model, self.output), "output"),
             *usage_faults(lambda: scenario_of(model, self.scenario), "scenario"),
         ]
-        yield from found or usage_faults(lambda: self._motion(model))
+        yield from faults or usage_faults(lambda: self._motion(model))
 
     @property
     def words(self) -> str:

@@ -60,9 +60,9 @@ def single_response(
     from torsionnet.linear.responses.transfer import responses, warn_infinite
 
     request = cached_request(model, outputs, inputs, excitation)
-    found = responses([model], request, frequencies, GRAPH)
-    warn_infinite(found.values, found.conditioning, frequencies)
-    return np.asarray(found.values[0])
+    solved = responses([model], request, frequencies, GRAPH)
+    warn_infinite(solved.values, solved.conditioning, frequencies)
+    return np.asarray(solved.values[0])
 
 
 Channels = str | Sensor | tuple[str | Sensor, ...]
@@ -131,12 +131,12 @@ class VariantBlock:
     def _evaluated(self, quantity: BlockQuantity) -> FloatArray:
         said = Counter[str]()
         with collected_warnings(said):
-            found = quantity.evaluate(self)
+            values = quantity.evaluate(self)
         for text, count in said.items():
             self.remark(text, count)
         if self.impossible.any():
-            found = np.where(self.impossible[:, None], np.nan, found)
-        return found
+            values = np.where(self.impossible[:, None], np.nan, values)
+        return values
 
     @property
     def impossible(self) -> NDArray[np.bool_]:
@@ -176,12 +176,12 @@ class VariantBlock:
 
         NaN where it fails.
         """
-        found = np.full((len(self), n_points), np.nan)
+        answers = np.full((len(self), n_points), np.nan)
         for index in range(len(self)):
             answer = self.call(index, ask)
             if answer is not None:
-                found[index] = answer
-        return found
+                answers[index] = answer
+        return answers
 
     def call(self, index: int, ask: Callable[[Drivetrain], T]) -> T | None:
         """Result of a function that is called with the drivetrain of one variant.
@@ -198,17 +198,17 @@ class VariantBlock:
     @cached_property
     def every_mode(self) -> BatchedModes:
         """Modes of every variant of the block, in the order of its own eigenvalues."""
-        found = single_modes(self.model, self.values) if self.batch is None else batched_modes(self.batch)
-        for _, text in found.remarks:
+        modes = single_modes(self.model, self.values) if self.batch is None else batched_modes(self.batch)
+        for _, text in modes.remarks:
             self.remark(text)
-        return found
+        return modes
 
     @cached_property
     def read_modes(self) -> BatchedModes:
         """Modes of every variant, of which values of quantities are made, so that their frequencies count as read."""
-        found = self.every_mode
-        self.reads(np.abs(found.eigenvalues.imag[found.eigenvalues != 0]) / (2 * np.pi))
-        return found
+        modes = self.every_mode
+        self.reads(np.abs(modes.eigenvalues.imag[modes.eigenvalues != 0]) / (2 * np.pi))
+        return modes
 
     @cached_property
     def modes(self) -> TrackedModes:
@@ -241,7 +241,7 @@ class VariantBlock:
         excitation: str | None,
     ) -> ComplexArray:
         shape = (len(self), frequencies.shape[-1], len(nominal.outputs), len(nominal.measured))
-        found = np.full(shape, complex(np.nan, np.nan))
+        answers = np.full(shape, complex(np.nan, np.nan))
         own = np.broadcast_to(frequencies, shape[:2])
         for index in range(len(self)):
             ask = partial(
@@ -249,12 +249,12 @@ class VariantBlock:
             )
             answer = self.call(index, ask)
             if answer is not None:
-                found[index] = answer
-        return found
+                answers[index] = answer
+        return answers
 
     def once(self, key: Any, work: Callable[[], T]) -> T:
         """Result of ``work``, calculated once for all quantities of the block under a key."""
         if key not in self.known:
             self.known[key] = work()
-        found: T = self.known[key]
-        return found
+        known: T = self.known[key]
+        return known

@@ -37,10 +37,12 @@ class LimitFlags:
     missing: NDArray[np.int64]
 
     @classmethod
-    def of(cls, found: Sequence[tuple[QuantityLimit, FloatArray]]) -> Self:
+    def of(cls, values_of_limits: Sequence[tuple[QuantityLimit, FloatArray]]) -> Self:
         """Flags by each limit and the values (n, n_points) in SI of its quantity."""
-        missing = [np.isnan(values).any(axis=1).sum() for _, values in found]
-        return cls(np.stack([limit.beyond(values) for limit, values in found]), np.array(missing, dtype=np.int64))
+        missing = [np.isnan(values).any(axis=1).sum() for _, values in values_of_limits]
+        return cls(
+            np.stack([limit.beyond(values) for limit, values in values_of_limits]), np.array(missing, dtype=np.int64)
+        )
 
     @classmethod
     def joined(cls, parts: Sequence[LimitFlags]) -> Self:
@@ -87,13 +89,13 @@ class LimitCounts:
         places = np.arange(len(some), dtype=np.uint64)[:, None]
         # The set of limits that a variant exceeds, as bits of a number.
         sets = np.bitwise_or.reduce(some.astype(np.uint64) << places, axis=0)
-        for one, count in zip(*np.unique(sets, return_counts=True), strict=True):
-            self.sets[int(one)] = self.sets.get(int(one), 0) + int(count)
+        for exceeded, count in zip(*np.unique(sets, return_counts=True), strict=True):
+            self.sets[int(exceeded)] = self.sets.get(int(exceeded), 0) + int(count)
 
     def beyond(self, limits: Iterable[int]) -> int:
         """Number of variants beyond any of some limits, which are given by their places in the order of all limits."""
         wanted = sum(1 << place for place in limits)
-        return sum(count for one, count in self.sets.items() if one & wanted)
+        return sum(count for exceeded, count in self.sets.items() if exceeded & wanted)
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,8 +118,8 @@ class LimitTotals:
 
     def add(self, flags: Mapping[str, LimitFlags]) -> None:
         """Count the variants of one more chunk, the same draws in every configuration."""
-        for configuration, one in flags.items():
-            self.cases[configuration].add(one)
+        for configuration, flags_of_case in flags.items():
+            self.cases[configuration].add(flags_of_case)
         self.any_case.add(LimitFlags.union([*flags.values()]))
 
     def beyond(self, names: Sequence[str], configuration: str) -> int:
@@ -130,8 +132,8 @@ class LimitTotals:
 
     def missing(self, names: Sequence[str]) -> int:
         """Number of missing values of the quantities ``names`` in all configurations."""
-        found = [one.missing for one in self.cases.values() if one.missing is not None]
-        return sum(int(one[place]) for one in found for place in self._places(names))
+        missing = [case.missing for case in self.cases.values() if case.missing is not None]
+        return sum(int(counts[place]) for counts in missing for place in self._places(names))
 
     def require_same_limits(self, limits: Mapping[str, QuantityLimit], names: Sequence[str]) -> None:
         """Refuse limits other than those by which the variants were counted."""

@@ -89,7 +89,7 @@ class Histogram:
         NaN where no value was counted.
         """
         wanted = np.asarray(shares, dtype=float) / 100
-        found = np.full((len(wanted), n_points), np.nan)
+        percentiles = np.full((len(wanted), n_points), np.nan)
         for point in range(n_points):
             first, last = np.searchsorted(self.bins, [point << 21, (point + 1) << 21])
             if first == last:
@@ -98,8 +98,8 @@ class Histogram:
             # The value of that rank, rounded up, without interpolation.
             ranks = np.ceil(wanted * below[-1]).clip(1, below[-1])
             places = np.searchsorted(below, ranks)
-            found[:, point] = _middles(self.bins[first:last][places] - (point << 21) - (1 << 20))
-        return found
+            percentiles[:, point] = _middles(self.bins[first:last][places] - (point << 21) - (1 << 20))
+        return percentiles
 
 
 @dataclass

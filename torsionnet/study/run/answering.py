@@ -69,8 +69,8 @@ class Workers:
     def executor(self, folder: Path | None) -> Iterator[Executor]:
         """Yield an executor on these workers, which ends with the ``with`` block."""
         if self.cluster:
-            with self._of_cluster(folder) as found:
-                yield found
+            with self._of_cluster(folder) as executor:
+                yield executor
         elif self.processes > 1:
             from torsionnet.study.run.process_pool import ProcessExecutor
 
@@ -137,16 +137,16 @@ class AnsweredStudy:
         return (*self.conclusions[name].sentences, *self.notes.get(name, ()))
 
     def __repr__(self) -> str:
-        found = [f"{name}: {' '.join(one.sentences)}" for name, one in self.conclusions.items()]
-        return f"<AnsweredStudy {'; '.join(found)}>"
+        said = [f"{name}: {' '.join(conclusion.sentences)}" for name, conclusion in self.conclusions.items()]
+        return f"<AnsweredStudy {'; '.join(said)}>"
 
     def _repr_html_(self) -> str:
         tables = [self.result.table()] if self.result is not None else []
         parts = [thinned(table).to_html() for table in tables]
-        for name, one in self.conclusions.items():
+        for name, conclusion in self.conclusions.items():
             said = (f"<p>{html.escape(text)}</p>" for text in self.sentences(name))
-            parts += [thinned(one.table()).to_html(), *said]
-            parts.append(_picture(one, self.units))
+            parts += [thinned(conclusion.table()).to_html(), *said]
+            parts.append(_picture(conclusion, self.units))
         parts += [f"<p>{html.escape(f'{name}: {error}')}</p>" for name, error in self.unanswered.items()]
         return "\n".join(parts)
 
@@ -202,7 +202,7 @@ def answer_study(
     for answer in study.answers.values():
         answer.require_extras()
     place = None if folder is None else Path(folder)
-    unanswered = [name for name, one in study.answers.items() if one.of_variants]
+    unanswered = [name for name, answer_asked in study.answers.items() if answer_asked.of_variants]
     if not study.count and unanswered:
         raise UsageError(f"{', '.join(unanswered)}: {no_variants(study.space)}", kind="nothing-varies")
     with (workers or Workers()).executor(place) as executor:
@@ -226,14 +226,14 @@ def study_for_answers(
 
     with _memory(study, folder) as memory:
         calculator = SharedBlocks(executor or SerialExecutor(), memory)
-        entries = {one.name: getattr(study, one.name) for one in fields(study)}
+        entries = {entry.name: getattr(study, entry.name) for entry in fields(study)}
         yield SharedStudy(**entries, calculator=calculator), calculator
 
 
 @contextmanager
 def _memory(study: Study, folder: Path | None) -> Iterator[EvaluationMemory | None]:
     """Yield the stored evaluations of the answers, locked against other runs; None without a folder."""
-    if folder is None or all(one.of_variants for one in study.answers.values()):
+    if folder is None or all(answer.of_variants for answer in study.answers.values()):
         yield None
         return
     from torsionnet.study.run.evaluation_memory import EvaluationMemory

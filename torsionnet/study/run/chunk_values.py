@@ -69,27 +69,30 @@ class ChunkValues:
             Quantity -> limit by which variants are counted.
         """
         chosen = kept_indices(start, start + len(block), every)
-        found = {name: block.of(name) for name in block.quantities}
-        kept = {name: one[chosen, 0] if one.shape[1] == 1 else extremes(one[chosen]) for name, one in found.items()}
+        values = {name: block.of(name) for name in block.quantities}
+        kept = {
+            name: column_of[chosen, 0] if column_of.shape[1] == 1 else extremes(column_of[chosen])
+            for name, column_of in values.items()
+        }
         if every > 1:
             kept |= {name: column[chosen] for name, column in block.values.items()}
         return cls(
             kept,
-            {name: Moments.of(one, start) for name, one in found.items()},
-            {name: Histogram.of(one) for name, one in found.items()},
+            {name: Moments.of(part, start) for name, part in values.items()},
+            {name: Histogram.of(part) for name, part in values.items()},
             int(block.impossible.sum()),
             block.remarks,
-            _flags([(limit, found[name]) for name, limit in limits.items()]),
+            _flags([(limit, values[name]) for name, limit in limits.items()]),
             block.read,
         )
 
 
-def _flags(found: Sequence[tuple[QuantityLimit, FloatArray]]) -> LimitFlags | None:
-    if not found:
+def _flags(values_of_limits: Sequence[tuple[QuantityLimit, FloatArray]]) -> LimitFlags | None:
+    if not values_of_limits:
         return None
     from torsionnet.study.reductions.limit_counts import LimitFlags
 
-    return LimitFlags.of(found)
+    return LimitFlags.of(values_of_limits)
 
 
 @dataclass
@@ -162,7 +165,7 @@ def kept_every(study: Study) -> int:
     if study.count * len(study.quantities) <= KEPT_VALUES:
         return 1
     model = study.model_in(study.configurations[0])
-    forms = [one.measured(model, study.quantities) for one in study.quantities.values()]
+    forms = [quantity.measured(model, study.quantities) for quantity in study.quantities.values()]
     each = len(study.space.names) + sum(2 if form.is_curve else 1 for form in forms)
     every = ceil(study.count * each / KEPT_VALUES)
     while gcd(every, 2 * study.space.count) > 1:
@@ -298,20 +301,23 @@ def chunk_of_bytes(data: bytes, number: int) -> ChunkValues | None:
     if hashlib.sha256(whole).digest() != checksum:
         return None
     with np.load(io.BytesIO(whole), allow_pickle=False) as arrays:
-        found = {name: arrays[name] for name in arrays.files}
-    head = json.loads(found["head"].tobytes())
+        arrays_read = {name: arrays[name] for name in arrays.files}
+    head = json.loads(arrays_read["head"].tobytes())
     if head["chunk"] != number:
         return None
     places = dict(enumerate(head["quantities"]))
     keys = {name: (f"values_{place}", f"extremes_{place}") for place, name in places.items()}
-    kept = {name: found[key] for name, either in keys.items() for key in either if key in found}
-    beyond = np.unpackbits(found["beyond"], axis=1).astype(bool) if "beyond" in found else None
+    kept = {name: arrays_read[key] for name, either in keys.items() for key in either if key in arrays_read}
+    beyond = np.unpackbits(arrays_read["beyond"], axis=1).astype(bool) if "beyond" in arrays_read else None
     return ChunkValues(
-        kept | {name: found[f"parameter_{place}"] for place, name in enumerate(head["parameters"])},
-        {name: Moments(*(found[f"{part}_{place}"] for part in PARTS)) for place, name in places.items()},
-        {name: Histogram(found[f"bins_{place}"], found[f"counts_{place}"]) for place, name in places.items()},
+        kept | {name: arrays_read[f"parameter_{place}"] for place, name in enumerate(head["parameters"])},
+        {name: Moments(*(arrays_read[f"{part}_{place}"] for part in PARTS)) for place, name in places.items()},
+        {
+            name: Histogram(arrays_read[f"bins_{place}"], arrays_read[f"counts_{place}"])
+            for place, name in places.items()
+        },
         int(head["impossible"]),
         head["remarks"],
-        None if beyond is None else LimitFlags(beyond, found["missing"]),
-        found.get("read", np.array(NOTHING_READ)),
+        None if beyond is None else LimitFlags(beyond, arrays_read["missing"]),
+        arrays_read.get("read", np.array(NOTHING_READ)),
     )

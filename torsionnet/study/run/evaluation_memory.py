@@ -98,8 +98,8 @@ def records(file: Path) -> Iterator[tuple[bytes, LogPlace]]:
     """Yield the keys and places of the records of a log file, up to the first incomplete one."""
     with file.open("rb") as stream:
         start = 0
-        while found := _record(stream):
-            key, data = found
+        while record := _record(stream):
+            key, data = record
             length = HEAD.size + len(data) + CHECKSUM_BYTES
             yield key, LogPlace(file.name, start, length)
             start += length
@@ -180,12 +180,12 @@ class EvaluationMemory:
 
     def at(self, place: LogPlace, key: bytes) -> FloatArray | None:
         """Numbers (n,) of the record of a key at a place, perhaps of another process, None where it is damaged."""
-        found = record_at(self.folder, place)
-        if found is None or found[0] != key:
+        record = record_at(self.folder, place)
+        if record is None or record[0] != key:
             self._places.pop(key, None)
             return None
         self._know(key, place)
-        return np.frombuffer(found[1]).copy()
+        return np.frombuffer(record[1]).copy()
 
     def put(self, key: bytes, values: FloatArray) -> None:
         """Store an array of numbers under a key, unless the store is full."""
@@ -293,7 +293,7 @@ class SharedBlocks:
     def rows(self, evaluator: Evaluator, blocks: Sequence[Values], names: tuple[str, ...]) -> list[FloatArray]:
         """Quantities ``names`` of every block of variants, as :meth:`Evaluator.rows` returns them."""
         work, what = self._work(evaluator, names), ("rows and frequencies read", *names)
-        found: dict[int, FloatArray] = {}
+        numbers: dict[int, FloatArray] = {}
         left: deque[AskedBlock] = deque()
         for place, values in enumerate(blocks):
             block = AskedBlock(place, values, b"" if self.memory is None else self.memory.key(evaluator, what, values))
@@ -301,15 +301,15 @@ class SharedBlocks:
             if known is None:
                 left.append(block)
             else:
-                found[place] = known.reshape(len(block), -1)
+                numbers[place] = known.reshape(len(block), -1)
                 self.progress(len(block))
         for block, rows in self._calculated(work, left):
-            found[block.place] = rows
+            numbers[block.place] = rows
             self.progress(len(block))
         pairs = [self.read.get(evaluator.configuration, np.array(NOTHING_READ))]
-        pairs += [rows[0, -2:] for rows in found.values()]
+        pairs += [rows[0, -2:] for rows in numbers.values()]
         self.read[evaluator.configuration] = widest(pairs)
-        return [found[place] for place in range(len(blocks))]
+        return [numbers[place] for place in range(len(blocks))]
 
     def once(
         self, evaluator: Evaluator, what: str, values: Mapping[str, float], work: Callable[[], FloatArray]
@@ -318,11 +318,11 @@ class SharedBlocks:
         if self.memory is None:
             return work()
         key = self.memory.key(evaluator, (what,), {name: np.array([value]) for name, value in values.items()})
-        found = self.memory.get(key)
-        if found is None:
-            found = work()
-            self.memory.put(key, found)
-        return found
+        numbers = self.memory.get(key)
+        if numbers is None:
+            numbers = work()
+            self.memory.put(key, numbers)
+        return numbers
 
     def _work(self, evaluator: Evaluator, names: tuple[str, ...]) -> BlockWork:
         """Function that calculates blocks, the same one for evaluators with equal configuration, names and method."""

@@ -149,8 +149,8 @@ class ProcessExecutor:
                     self._end()
                     self._give_up(deaths)
                 finally:
-                    for one in waiting:
-                        one.cancel()
+                    for future in waiting:
+                        future.cancel()
         finally:
             if not self._stays:
                 self._end()

@@ -54,12 +54,12 @@ class ChunkWork:
 
     def __call__(self, number: int) -> ChunkValues | None:
         """Calculate a chunk of variants and return its values; None where they were written to the folder."""
-        found = self.calculated(self.chunks[number])
+        values = self.calculated(self.chunks[number])
         if self.folder is None:
-            return found
+            return values
         from torsionnet.study.run.chunk_values import write_chunk
 
-        write_chunk(self.folder, number, found)
+        write_chunk(self.folder, number, values)
         return None
 
     def calculated(self, chunk: Chunk) -> ChunkValues:
@@ -90,29 +90,31 @@ def merge_chunks(
     for numbers in chunks.side_by_side():
         flags = {}
         for name, number in zip(names, numbers, strict=True):
-            found = chunk(number)
-            parts[name].add(replace(found, beyond=None))
-            if found.beyond is not None:
-                flags[name] = found.beyond
+            values = chunk(number)
+            parts[name].add(replace(values, beyond=None))
+            if values.beyond is not None:
+                flags[name] = values.beyond
         if totals is not None and flags:
             totals.add(flags)
-    cases = {name: one.whole() for name, one in parts.items()}
+    cases = {name: joined.whole() for name, joined in parts.items()}
     summaries = {
         (name, quantity): Summary(
-            one.measured(study.model_in(name), study.quantities), whole.moments[quantity], whole.histograms[quantity]
+            quantity_asked.measured(study.model_in(name), study.quantities),
+            whole.moments[quantity],
+            whole.histograms[quantity],
         )
         for name, whole in cases.items()
-        for quantity, one in study.quantities.items()
+        for quantity, quantity_asked in study.quantities.items()
     }
     return StudyResult(
         study,
         summaries,
-        KeptValues(every, {(name, key): kept for name, one in cases.items() for key, kept in one.kept.items()}),
-        {name: one.impossible for name, one in cases.items()},
-        {name: dict(one.remarks) for name, one in cases.items()},
+        KeptValues(every, {(name, key): kept for name, case in cases.items() for key, kept in case.kept.items()}),
+        {name: case.impossible for name, case in cases.items()},
+        {name: dict(case.remarks) for name, case in cases.items()},
         folder,
         totals,
-        {name: one.read for name, one in cases.items()},
+        {name: case.read for name, case in cases.items()},
     )
 
 
@@ -157,8 +159,10 @@ class Workload:
         """
         case = study.configurations[0]
         evaluator = study.evaluator(case)
-        singly = evaluator.plan is None or any(one.singly for one in study.quantities.values())
-        points = sum(len(one.measured(evaluator.model, study.quantities).points) for one in study.quantities.values())
+        singly = evaluator.plan is None or any(quantity.singly for quantity in study.quantities.values())
+        points = sum(
+            len(quantity.measured(evaluator.model, study.quantities).points) for quantity in study.quantities.values()
+        )
         size = (
             SINGLE_CHUNK_SIZE if singly else max(LEAST_CHUNK_SIZE, min(MOST_CHUNK_SIZE, CHUNK_POINTS // max(points, 1)))
         )
@@ -324,17 +328,17 @@ def _stored(place: StudyFolder, work: ChunkWork) -> Callable[[int], ChunkValues]
     """Function that reads a chunk of variants from the folder, and calculates one again that was damaged."""
 
     def chunk(number: int) -> ChunkValues:
-        found = place.chunk(number)
-        if found is None:
+        values = place.chunk(number)
+        if values is None:
             work(number)
-            found = place.chunk(number)
-        if found is None:
+            values = place.chunk(number)
+        if values is None:
             raise SolveError(
                 f"chunk {number} in {place.path} cannot be read back after it was written; "
                 "check the disk, or choose another folder, and run it again",
                 kind="unreadable-file",
             )
-        return found
+        return values
 
     return chunk
 

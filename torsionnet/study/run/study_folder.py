@@ -168,8 +168,8 @@ class StudyFolder:
     def record(self) -> dict[str, Any]:
         """Record of the study that the chunks in the folder belong to."""
         try:
-            found = json.loads((self.path / RECORD).read_text(encoding="utf-8"))
-            if not isinstance(found, dict):
+            record = json.loads((self.path / RECORD).read_text(encoding="utf-8"))
+            if not isinstance(record, dict):
                 raise ValueError("it is not the record of a study")
         except (OSError, ValueError) as error:
             raise UsageError(
@@ -177,7 +177,7 @@ class StudyFolder:
                 "it are of; choose another folder, or put a copy of it back",
                 kind="unreadable-file",
             ) from None
-        return found
+        return record
 
     def chunk(self, number: int) -> ChunkValues | None:
         """Results of a chunk of variants, None where its file is missing or damaged."""

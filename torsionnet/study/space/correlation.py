@@ -65,8 +65,8 @@ def name_faults(correlations: Sequence[Correlation], random: Sequence[str], grid
     """Faults of correlations that name a parameter without distribution, or a pair twice."""
     faults = []
     seen: dict[frozenset[str], int] = {}
-    for index, one in enumerate(correlations):
-        for place, name in enumerate(one.between):
+    for index, correlation in enumerate(correlations):
+        for place, name in enumerate(correlation.between):
             path = (index, "between", place)
             if name in grid:
                 text = (
@@ -76,7 +76,7 @@ def name_faults(correlations: Sequence[Correlation], random: Sequence[str], grid
             elif name not in random:
                 rest = f"with a distribution there is {', '.join(random) or 'none'}"
                 faults.append(unknown_name("varied parameter", name, random, path, rest=rest))
-        for pair in map(frozenset, one.pairs):
+        for pair in map(frozenset, correlation.pairs):
             if pair in seen:
                 text = f"the correlation of {' and '.join(sorted(pair))} is given twice"
                 faults.append(Fault(text, (index, "between"), kind="contradicting-entries"))
@@ -173,7 +173,7 @@ def normal_correlation(
     """Correlation matrix (n, n) of the normal variables behind all n parameters, and faults where it cannot exist."""
     names = list(marginals)
     given, matrix = np.eye(len(names)), np.eye(len(names))
-    series = {name: HermiteSeries(marginals[name]) for one in correlations for name in one.between}
+    series = {name: HermiteSeries(marginals[name]) for correlation in correlations for name in correlation.between}
     faults = []
     for index, first, second in _pairs(correlations):
         coefficient = correlations[index].coefficient
@@ -195,7 +195,7 @@ def normal_correlation(
 
 
 def _pairs(correlations: Sequence[Correlation]) -> Iterator[Pair]:
-    return ((index, *pair) for index, one in enumerate(correlations) for pair in one.pairs)
+    return ((index, *pair) for index, correlation in enumerate(correlations) for pair in correlation.pairs)
 
 
 def _contradictions(

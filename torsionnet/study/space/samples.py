@@ -59,12 +59,12 @@ def permuted(places: NDArray[np.int64], count: int, seed: np.random.SeedSequence
     # Numbers of two digits in a base whose square is just as large as the count, or larger.
     side = np.uint64(isqrt(count - 1) + 1)
     keys = np.asarray(seed.generate_state(2 * FEISTEL_ROUNDS, np.uint64), dtype=np.uint64)
-    found = _shuffled(places.astype(np.uint64), side, keys)
-    outside = np.flatnonzero(found >= count)
+    shuffled = _shuffled(places.astype(np.uint64), side, keys)
+    outside = np.flatnonzero(shuffled >= count)
     while len(outside):
-        found[outside] = _shuffled(found[outside], side, keys)
-        outside = outside[found[outside] >= count]
-    return found.astype(np.int64)
+        shuffled[outside] = _shuffled(shuffled[outside], side, keys)
+        outside = outside[shuffled[outside] >= count]
+    return shuffled.astype(np.int64)
 
 
 def _shuffled(numbers: HashWords, side: np.uint64, keys: HashWords) -> HashWords:
@@ -107,13 +107,13 @@ class RandomPoints:
     seed: int
 
     def __call__(self, start: int, stop: int) -> FloatArray:
-        found = np.empty((stop - start, len(self.names)))
+        points = np.empty((stop - start, len(self.names)))
         for column, name in enumerate(self.names):
             for block in range(start // SEED_BLOCK, -(-stop // SEED_BLOCK)):
                 begin, end = max(start, block * SEED_BLOCK), min(stop, (block + 1) * SEED_BLOCK)
                 numbers = _uniform(_seed(name, self.seed, block), end - block * SEED_BLOCK)
-                found[begin - start : end - start, column] = numbers[begin - block * SEED_BLOCK :]
-        return found
+                points[begin - start : end - start, column] = numbers[begin - block * SEED_BLOCK :]
+        return points
 
 
 def _seed(name: str, *further: int) -> np.random.SeedSequence:
@@ -167,23 +167,23 @@ class SobolPoints:
 
     def __call__(self, start: int, stop: int) -> FloatArray:
         table, directions = _table(self.dimension, self.bits, self.seed)
-        found = np.empty((stop - start, self.dimension), dtype=np.uint32)
+        points = np.empty((stop - start, self.dimension), dtype=np.uint32)
         for block in range(start >> LOW_BITS, -(-stop >> LOW_BITS)):
             begin, end = max(start, block << LOW_BITS), min(stop, (block + 1) << LOW_BITS)
             # Gray codes are linear modulo 2: a block differs from the first one by a single sum.
             rest = _sums(np.array([block << LOW_BITS], dtype=np.uint32), directions)
-            found[begin - start : end - start] = table[begin - (block << LOW_BITS) : end - (block << LOW_BITS)] ^ rest
+            points[begin - start : end - start] = table[begin - (block << LOW_BITS) : end - (block << LOW_BITS)] ^ rest
         # Half a step keeps the points above 0, which no unbounded distribution could take.
-        return np.asarray((found + 0.5) * 2.0**-COORDINATE_BITS)
+        return np.asarray((points + 0.5) * 2.0**-COORDINATE_BITS)
 
 
 def _sums(indices: SobolWords, directions: SobolWords) -> SobolWords:
     """Sums modulo 2 (m, n) of the direction numbers (bits, n) over the Gray codes of indices (m,)."""
     gray = indices ^ (indices >> np.uint32(1))
-    found = np.zeros((len(indices), directions.shape[1]), dtype=np.uint32)
+    sums = np.zeros((len(indices), directions.shape[1]), dtype=np.uint32)
     for bit, numbers in enumerate(directions):
-        found[(gray >> np.uint32(bit)) & np.uint32(1) == 1] ^= numbers
-    return found
+        sums[(gray >> np.uint32(bit)) & np.uint32(1) == 1] ^= numbers
+    return sums
 
 
 @lru_cache(maxsize=8)

@@ -142,18 +142,18 @@ class Space:
         # Draws are the fastest digit of a variant's number; grid points follow.
         point, draw = divmod(start, self.draws)
         places = draw + np.arange(stop - start)
-        found = self._on_grid(point, places // self.draws) | self._drawn(draw, stop - start)
-        return {name: found[name] for name in self.names}
+        values = self._on_grid(point, places // self.draws) | self._drawn(draw, stop - start)
+        return {name: values[name] for name in self.names}
 
     def _on_grid(self, point: int, further: Any) -> dict[str, FloatArray]:
         """Values (n,) in SI of each grid parameter at points ``further`` (n,) steps after the point with an index."""
-        found = {}
+        values = {}
         # Digits of mixed bases, the last axis the lowest.
         for name, axis in reversed(list(self.grid.items())):
             point, digit = divmod(point, axis.count)
             further, places = np.divmod(digit + further, axis.count)
-            found[name] = axis.at(places)
-        return found
+            values[name] = axis.at(places)
+        return values
 
     def _drawn(self, draw: int, count: int) -> dict[str, FloatArray]:
         if self.sampling is None or not self.random_names:
@@ -191,8 +191,8 @@ class Space:
         A distribution without a limit on a side ends there where all but ``(1 - coverage)/2`` of its values do.
         """
         tail = (1 - coverage) / 2
-        found = {name: (axis.low, axis.high) for name, axis in self.grid.items()}
-        for name, one in self.marginals.items():
-            low = one.low if np.isfinite(one.low) else float(one.ppf(tail))
-            found[name] = (low, one.high if np.isfinite(one.high) else float(one.isf(tail)))
-        return {name: found[name] for name in self.names}
+        ranges = {name: (axis.low, axis.high) for name, axis in self.grid.items()}
+        for name, marginal in self.marginals.items():
+            low = marginal.low if np.isfinite(marginal.low) else float(marginal.ppf(tail))
+            ranges[name] = (low, marginal.high if np.isfinite(marginal.high) else float(marginal.isf(tail)))
+        return {name: ranges[name] for name in self.names}

@@ -57,12 +57,12 @@ class JointDistribution:
             from scipy.special import ndtri
 
             return self.from_standard_normal(ndtri(shares))
-        return {name: one.ppf(shares[:, place]) for place, (name, one) in enumerate(self.marginals.items())}
+        return {name: marginal.ppf(shares[:, place]) for place, (name, marginal) in enumerate(self.marginals.items())}
 
     def from_standard_normal(self, normal: FloatArray) -> dict[str, FloatArray]:
         """Values (n,) in SI of each parameter, by its name, at independent standard normal variables (n, n_names)."""
         marginals = enumerate(self.marginals.items())
-        return {name: one.from_normal(self._correlated(normal, place)) for place, (name, one) in marginals}
+        return {name: marginal.from_normal(self._correlated(normal, place)) for place, (name, marginal) in marginals}
 
     def _correlated(self, normal: FloatArray, place: int) -> FloatArray:
         """Values (n,) of one correlated normal variable from independent ones (n, n_names).
@@ -79,20 +79,20 @@ class JointDistribution:
         return self._independent(self._normal(values))
 
     def _normal(self, values: Mapping[str, FloatArray]) -> FloatArray:
-        return np.stack([one.to_normal(values[name]) for name, one in self.marginals.items()], axis=-1)
+        return np.stack([marginal.to_normal(values[name]) for name, marginal in self.marginals.items()], axis=-1)
 
     def _independent(self, correlated: FloatArray) -> FloatArray:
         return correlated if self.root is None else np.asarray(np.linalg.solve(self.root, correlated.T).T)
 
     def log_density(self, values: Mapping[str, FloatArray]) -> FloatArray:
         """Logarithm (n,) of the joint probability density at parameter values (n,) in SI by name."""
-        found = np.sum([one.log_density(values[name]) for name, one in self.marginals.items()], axis=0)
+        density = np.sum([marginal.log_density(values[name]) for name, marginal in self.marginals.items()], axis=0)
         if self.root is None:
-            return np.asarray(found)
-        correlated = np.where(np.isfinite(found)[:, None], self._normal(values), 0.0)
+            return np.asarray(density)
+        correlated = np.where(np.isfinite(density)[:, None], self._normal(values), 0.0)
         # Gaussian copula: ln c = (|z|^2 - |u|^2)/2 - ln det L, with z = L u.
         squares = (correlated**2).sum(axis=1) - (self._independent(correlated) ** 2).sum(axis=1)
-        return np.asarray(found + squares / 2 - np.log(np.diag(self.root)).sum())
+        return np.asarray(density + squares / 2 - np.log(np.diag(self.root)).sum())
 
 
 NEGLIGIBLE_SHARE = 1e-9
@@ -108,11 +108,11 @@ def unreachable(model: Model, marginals: Mapping[str, Marginal], axes: Mapping[s
     uses = parameter_uses(model)
     faults: list[Fault] = []
     for name in (*marginals, *axes):
-        found = [fault for use in uses.get(name, ()) for fault in _impossible(name, use.quantity, marginals, axes)]
+        own = [fault for use in uses.get(name, ()) for fault in _impossible(name, use.quantity, marginals, axes)]
         bounds = model.parameter_definitions[name].bounds
-        if bounds and not found:
-            found = [replace(fault, severity="warning") for fault in _outside(name, bounds, marginals, axes)]
-        faults += [fault.under("vary", name) for fault in found]
+        if bounds and not own:
+            own = [replace(fault, severity="warning") for fault in _outside(name, bounds, marginals, axes)]
+        faults += [fault.under("vary", name) for fault in own]
     return faults
 
 
@@ -188,19 +188,21 @@ def bound_space(
     axes: dict[str, GridAxis] = {}
     for name, nominal in known.items():
         reader = NominalReader(nominal)
-        found = vary[name].bound(reader)
+        bound = vary[name].bound(reader)
         faults += [fault.under("vary", name) for fault in reader.faults]
-        if isinstance(found, Marginal):
-            marginals[name] = found
-        elif found is not None:
-            axes[name] = found
+        if isinstance(bound, Marginal):
+            marginals[name] = bound
+        elif bound is not None:
+            axes[name] = bound
     faults += unreachable(model, marginals, axes)
     faults += [fault.under("sampling") for fault in _sampling_faults(vary, sampling)]
     root, wrong = _root(vary, correlation, marginals)
     faults += [fault.under("correlation") for fault in wrong]
     if any(fault.severity == "error" for fault in faults):
         return None, faults
-    values = {name: np.nan if one.value is None else one.value for name, one in known.items()}
+    values = {
+        name: np.nan if nominal_value.value is None else nominal_value.value for name, nominal_value in known.items()
+    }
     return BoundSpace(values, JointDistribution(marginals, root), axes), faults
 
 
@@ -235,7 +237,7 @@ def _sampling_faults(vary: Mapping[str, Variation], sampling: Samples | None) ->
         return []
     remark = sampling.remark()
     faults = [] if remark is None else [remark]
-    if not any(one.is_random for one in vary.values()):
+    if not any(variation.is_random for variation in vary.values()):
         text = "nothing is drawn: all parameters take the values of a list or range; leave sampling out"
         faults.append(Fault(text, on_key=True, kind="needless-entry"))
     return faults
@@ -244,9 +246,9 @@ def _sampling_faults(vary: Mapping[str, Variation], sampling: Samples | None) ->
 def _root(
     vary: Mapping[str, Variation], correlation: Sequence[Correlation], marginals: Mapping[str, Marginal]
 ) -> tuple[FloatArray | None, list[Fault]]:
-    random = [name for name, one in vary.items() if one.is_random]
+    random = [name for name, variation in vary.items() if variation.is_random]
     faults = name_faults(correlation, random, [name for name in vary if name not in random])
-    are_bound = all(name in marginals for one in correlation for name in one.between)
+    are_bound = all(name in marginals for of_pair in correlation for name in of_pair.between)
     if faults or not correlation or not are_bound:
         return None, faults
     matrix, faults = normal_correlation(correlation, marginals)

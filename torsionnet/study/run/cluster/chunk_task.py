@@ -152,10 +152,10 @@ def await_workers(
     8
     """
     absence = WorkerAbsence(notify, clock)
-    while not (found := threads()):
-        absence.update(found)
+    while not (count := threads()):
+        absence.update(count)
         sleep(LOOK_EVERY)
-    return found
+    return count
 
 
 PACKAGES = ("torsionnet", "numpy", "scipy", "numba")
@@ -172,9 +172,9 @@ def check_versions(client: Client) -> Versions:
 
     ClusterError where one has others.
     """
-    found = client.get_versions(packages=list(PACKAGES))
-    needed = _of_process(found["client"])
-    workers = {address: _of_process(reported) for address, reported in found["workers"].items()}
+    versions = client.get_versions(packages=list(PACKAGES))
+    needed = _of_process(versions["client"])
+    workers = {address: _of_process(reported) for address, reported in versions["workers"].items()}
     faults = [line for address, has in workers.items() for line in differences(address, has, needed)]
     machines = {has["machine"]: address for address, has in workers.items()}
     if len(machines) > 1:

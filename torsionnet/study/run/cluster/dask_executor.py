@@ -193,8 +193,8 @@ class _Running(Generic[S]):
                     self._submit(work, left)
                     self._await(len(left))
                     done = self._next()
-                self.size.learn(one.seconds for _, one in done)
-                yield from ((part, one.result) for part, one in done)
+                self.size.learn(chunk.seconds for _, chunk in done)
+                yield from ((part, chunk.result) for part, chunk in done)
         finally:
             cancel_tasks(self.client, self.tasks)
 
@@ -237,7 +237,7 @@ class _Running(Generic[S]):
         # All together: one by one each would take the time of a round to its worker.
         results: list[list[DoneChunk[Any]]] = self.client.gather(ended)
         parts = [part for task in ended for part in self.tasks.pop(task)]
-        return list(zip(parts, (one for done in results for one in done), strict=True))
+        return list(zip(parts, (chunk for done in results for chunk in done), strict=True))
 
 
 # Connection to a cluster by its address or a scheduler file, or to workers started on this machine.
@@ -250,7 +250,7 @@ def require_scheduler(address: str, patience: float) -> None:
     runner = LoopRunner(asynchronous=False)
     runner.start()
     try:
-        found = runner.run_sync(_identity, address, patience)
+        answer = runner.run_sync(_identity, address, patience)
     except (OSError, TimeoutError) as error:
         raise UsageError(
             f"no scheduler answers at {address} within {patience:g} s; see that it runs (dask scheduler), that address "
@@ -268,8 +268,8 @@ def require_scheduler(address: str, patience: float) -> None:
         ) from None
     finally:
         runner.stop()
-    if found.get("type") != "Scheduler":
-        what = str(found.get("type", "something else")).lower()
+    if answer.get("type") != "Scheduler":
+        what = str(answer.get("type", "something else")).lower()
         raise UsageError(f"{address} is the address of a {what}; give that of the scheduler", kind="wrong-form")
 
 

@@ -98,15 +98,15 @@ def truncated(whole: Marginal, low: Number | None, high: Number | None, reader: 
         )
     if reader.faults:
         return whole
-    found = TruncatedMarginal(whole, *ends)
-    if not found.share >= LEAST_SHARE_LEFT:
+    limited = TruncatedMarginal(whole, *ends)
+    if not limited.share >= LEAST_SHARE_LEFT:
         key = "low" if low is not None else "high"
         reader.fault(
             f"hardly any value of {reader.nominal.name} is left from {ends[0]:g} to {ends[1]:g}",
             key,
             kind="out-of-range",
         )
-    return found
+    return limited
 
 
 MEAN = ParameterValue("mean; by default the value in the model")
@@ -172,13 +172,13 @@ class Normal(Variation):
     def sizes(self, reader: NominalReader) -> dict[str, float]:
         mean = reader.value(self.mean, "mean")
         ends = ((LOWEST_VALUE, "low", self.low), (HIGHEST_VALUE, "high", self.high))
-        limits = {what: reader.value(one, key) for what, key, one in ends if one is not None}
+        limits = {what: reader.value(limit, key) for what, key, limit in ends if limit is not None}
         return {MIDDLE: mean, SPREAD: reader.spread(self.deviation, mean, "deviation"), **limits}
 
     def bound(self, reader: NominalReader) -> Marginal | None:
         mean = reader.value(self.mean, "mean")
-        found = NormalMarginal(mean, reader.spread(self.deviation, mean, "deviation"))
-        limited = truncated(found, self.low, self.high, reader)
+        whole = NormalMarginal(mean, reader.spread(self.deviation, mean, "deviation"))
+        limited = truncated(whole, self.low, self.high, reader)
         return None if reader.faults else limited
 
 
@@ -219,8 +219,8 @@ class LognormalMarginal(Marginal):
     def log_density(self, values: ArrayLike) -> FloatArray:
         x = np.asarray(values, dtype=float)
         inside = np.where(x > 0, x, 1.0)
-        found = -(self.to_normal(inside) ** 2) / 2 - log(2 * pi) / 2 - log(self.deviation) - np.log(inside)
-        return np.where(x > 0, found, -inf)
+        density = -(self.to_normal(inside) ** 2) / 2 - log(2 * pi) / 2 - log(self.deviation) - np.log(inside)
+        return np.where(x > 0, density, -inf)
 
 
 @register_variation
@@ -250,7 +250,7 @@ class Lognormal(Variation):
     def sizes(self, reader: NominalReader) -> dict[str, float]:
         mean = reader.value(self.mean, "mean")
         ends = ((LOWEST_VALUE, "low", self.low), (HIGHEST_VALUE, "high", self.high))
-        limits = {what: reader.value(one, key) for what, key, one in ends if one is not None}
+        limits = {what: reader.value(limit, key) for what, key, limit in ends if limit is not None}
         return {MIDDLE: mean, SPREAD: reader.spread(self.deviation, mean, "deviation"), **limits}
 
     def bound(self, reader: NominalReader) -> Marginal | None:

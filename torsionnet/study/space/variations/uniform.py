@@ -269,15 +269,17 @@ class ListOfValues(Variation):
         return "one value" if len(self.values) == 1 else f"{len(self.values)} values"
 
     def sizes(self, reader: NominalReader) -> dict[str, float]:
-        values = [reader.value(one, "values", place) for place, one in enumerate(self.values)]
+        values = [reader.value(number, "values", place) for place, number in enumerate(self.values)]
         return {LOWEST_VALUE: min(values), HIGHEST_VALUE: max(values)}
 
     def bound(self, reader: NominalReader) -> GridAxis | None:
-        found = [reader.value(number, "values", index) for index, number in enumerate(self.values)]
-        for index, value in enumerate(found):
-            if value in found[:index]:
+        numbers = [reader.value(number, "values", index) for index, number in enumerate(self.values)]
+        for index, value in enumerate(numbers):
+            if value in numbers[:index]:
                 reader.fault(f"{value:g} stands twice in the list", "values", index, kind="repeated-name")
-        return None if reader.faults else GridAxis(len(found), ValueTable(np.array(found)), min(found), max(found))
+        return (
+            None if reader.faults else GridAxis(len(numbers), ValueTable(np.array(numbers)), min(numbers), max(numbers))
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -34,13 +34,13 @@ class ParameterUse:
 
 def parameter_uses(model: Model) -> dict[str, list[ParameterUse]]:
     """Uses of every parameter, by name, as the value of an element's entry without an expression, one of each kind."""
-    found: dict[str, dict[object, ParameterUse]] = {}
+    by_kind: dict[str, dict[object, ParameterUse]] = {}
     for element in model.definition.elements.values():
         for _, spec, expression, dimension in element.expressions():
             if isinstance(expression, Name) and isinstance(spec, QuantityKind):
                 kind = dimension, spec.lower, spec.exclusive, spec.nonzero
-                found.setdefault(expression.name, {}).setdefault(kind, ParameterUse(spec, dimension))
-    return {name: list(uses.values()) for name, uses in found.items()}
+                by_kind.setdefault(expression.name, {}).setdefault(kind, ParameterUse(spec, dimension))
+    return {name: list(uses.values()) for name, uses in by_kind.items()}
 
 
 LEAST_BARE_DEVIATION = 1e-3
@@ -152,21 +152,21 @@ class NominalReader:
             )
         return float(number.value) * abs(of)
 
-    def _no_slip(self, found: float, number: Number, of: float, path: tuple[str | int, ...]) -> float:
+    def _no_slip(self, deviation: float, number: Number, of: float, path: tuple[str | int, ...]) -> float:
         """Refuse a small bare number as deviation, which is more often meant as a share than in SI."""
         nominal = self.nominal
-        if number.unit_dimension is None and nominal.unit and found < min(1, LEAST_BARE_DEVIATION * abs(of)):
-            text = f"{found:g} {nominal.unit} is only {found / abs(of):.1g} of {nominal.name}"
+        if number.unit_dimension is None and nominal.unit and deviation < min(1, LEAST_BARE_DEVIATION * abs(of)):
+            text = f"{deviation:g} {nominal.unit} is only {deviation / abs(of):.1g} of {nominal.name}"
             return self.fault(
-                f'{text}; write "{found * 100:g} %" for a share, or "{found:g} {nominal.unit}"',
+                f'{text}; write "{deviation * 100:g} %" for a share, or "{deviation:g} {nominal.unit}"',
                 *path,
                 kind="implausible-size",
             )
-        return found
+        return deviation
 
     def _absolute(self, number: Number, path: tuple[str | int, ...]) -> float:
-        wanted, found = self.nominal.dimension, number.unit_dimension
-        if None not in (wanted, found) and wanted != found:
+        wanted, written = self.nominal.dimension, number.unit_dimension
+        if None not in (wanted, written) and wanted != written:
             expected = f"expected a unit such as {self.nominal.unit}, or percent"
             return self.fault(f'"{number}" is not a value of {self.nominal.name}; {expected}', *path, kind="wrong-unit")
         return float(number.value)
