@@ -211,7 +211,7 @@ def test_laws_over_frequency_and_other_rows_are_followed_singly():
     found = followed(coupled(3.0, tn.HystereticSpring, loss_factor=0.01), {"k_a": K_A[::6]})
     known, _ = veering(K_A[::6], 3.0)
     assert squares(found) == pytest.approx(known, rel=1e-3)
-    assert found.found.uncertain.all()
+    assert found.modes.uncertain.all()
     rig = tn.load("amt_rig")
     values = {"tau": np.array([3.26, 4.14, 7.96])}
     ratios = track_modes(single_modes(rig, values))

@@ -288,7 +288,7 @@ class Works:
     def __init__(self, states: ContactStates, drive: FloatArray) -> None:
         self.states, self.drive = states, drive
         self.h, self.n_sub = states.h, states.n_sub
-        self.found: dict[str, float] = {}
+        self.by_element: dict[str, float] = {}
         self.losses = EventLosses(states, drive)
         self._tables: dict[Contact, _Tables] = {}
 
@@ -298,9 +298,9 @@ class Works:
             tables = self._tables_of(contact)
             sums = self._over_steps(tables, few) if whole else self._over_parts(tables, few)
             for owner, value in zip(tables.work.owners, (self.h * tables.work.factors * sums).tolist(), strict=True):
-                self.found[owner] = self.found.get(owner, 0.0) + value
+                self.by_element[owner] = self.by_element.get(owner, 0.0) + value
         for owner, value in self.losses.between(stretches):
-            self.found[owner] = self.found.get(owner, 0.0) + value
+            self.by_element[owner] = self.by_element.get(owner, 0.0) + value
 
     def _tables_of(self, contact: Contact) -> _Tables:
         if contact not in self._tables:

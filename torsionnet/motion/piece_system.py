@@ -148,7 +148,7 @@ class PieceMotion:
 
     def _balance(self, stored: float, gained: Mapping[str, float]) -> EnergyBalance:
         self._work_out()
-        works = dict(self.works.found)
+        works = dict(self.works.by_element)
         for owner, value in gained.items():
             works[owner] = works.get(owner, 0.0) - value
         return EnergyBalance(works.pop("", 0.0), stored, works)

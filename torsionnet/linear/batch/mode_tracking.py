@@ -132,12 +132,12 @@ class TrackedModes:
 
     Attributes
     ----------
-    found : BatchedModes
+    modes : BatchedModes
         All modes of the variants in the order of each.
     reference : Modes
         Of the drivetrain itself.
     columns : (n, n_modes) integer array
-        Place in ``found`` of each of its modes; -1 where a variant lacks it.
+        Place in ``modes`` of each of its modes; -1 where a variant lacks it.
     mac : (n, n_modes) array
         Modal assurance criterion of the shape and that of the drivetrain itself over all inertias, each motion weighted
         with the root of the inertia of its own variant: 1 for the same shape, 0 for another mode of the same undamped
@@ -148,7 +148,7 @@ class TrackedModes:
         That other vibration: the one with the largest MAC.
     """
 
-    found: BatchedModes
+    modes: BatchedModes
     reference: Modes
     columns: Columns
     mac: FloatArray
@@ -161,7 +161,7 @@ class TrackedModes:
     @cached_property
     def eigenvalues(self) -> ComplexArray:
         """Eigenvalues of the tracked modes in rad/s, shape (n, n_modes), NaN where a variant lacks a mode."""
-        return take_columns(self.found.eigenvalues, self.columns)
+        return take_columns(self.modes.eigenvalues, self.columns)
 
     @cached_property
     def natural_frequencies(self) -> FloatArray:
@@ -176,7 +176,7 @@ class TrackedModes:
     @cached_property
     def shapes(self) -> ComplexArray:
         """Mode shapes (n, n_nodes, n_modes) of the tracked modes at all nodes, 1 at the node that moves most."""
-        return take_columns(self.found.shapes, self.columns[:, None, :])
+        return take_columns(self.modes.shapes, self.columns[:, None, :])
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
@@ -184,12 +184,12 @@ class TrackedModes:
         return tracking_notes(self.reference.eigenvalues, self.eigenvalues, self.veering, self.partners)
 
 
-def track_modes(batch: BatchedModes, reference: Modes | None = None) -> TrackedModes:
+def track_modes(modes: BatchedModes, reference: Modes | None = None) -> TrackedModes:
     """Modes of variants (eigenvalues, shapes) in the order of their drivetrain's modes, tracked along eigenvalues.
 
     Parameters
     ----------
-    found : BatchedModes
+    modes : BatchedModes
     reference : Modes, optional
         Of the drivetrain itself, where they are known already.
 
@@ -203,17 +203,17 @@ def track_modes(batch: BatchedModes, reference: Modes | None = None) -> TrackedM
     >>> track_modes(variants).natural_frequencies[:, 0].round(2).tolist()
     [5.74, 7.11, 9.92]
     """
-    known = natural_modes(batch.drivetrain)[0] if reference is None else reference
+    known = natural_modes(modes.drivetrain)[0] if reference is None else reference
     if not len(known):
-        none = np.zeros((len(batch), 0))
-        return TrackedModes(batch, known, none.astype(int), none, none.astype(bool), none.astype(int))
-    home = BatchedModes.of_drivetrain(batch.drivetrain, known)
+        none = np.zeros((len(modes), 0))
+        return TrackedModes(modes, known, none.astype(int), none, none.astype(bool), none.astype(int))
+    home = BatchedModes.of_drivetrain(modes.drivetrain, known)
     there = FollowedModes(home.eigenvalues, mode_states(home, np.zeros(1, dtype=np.intp)))
-    columns = np.full((len(batch), len(known)), MISSING_MODE)
+    columns = np.full((len(modes), len(known)), MISSING_MODE)
     mac, mixed, partners = np.full(columns.shape, np.nan), np.full(columns.shape, np.nan), columns.copy()
-    unclear = np.zeros(len(batch), dtype=bool)
+    unclear = np.zeros(len(modes), dtype=bool)
     # First guess: the mode of the same rank among rigid bodies, real poles or vibrations.
-    for places, here in _parts(batch, np.arange(len(batch))):
+    for places, here in _parts(modes, np.arange(len(modes))):
         columns[places] = _of_same_rank(there.values, here.values)
         mac[places], mixed[places], partners[places] = _compared(there, here, columns[places])
         # Variants that cannot be have no modes to follow.
@@ -222,18 +222,18 @@ def track_modes(batch: BatchedModes, reference: Modes | None = None) -> TrackedM
     if unclear.any():
         # Only to variants with a doubtful mode a way is walked; rigid bodies stay at zero on it.
         moving = np.flatnonzero(~_rigid(there.values[0]))
-        walk = ModeWalk(batch, FollowedModes(there.values[:, moving], there.states[:, :, moving]))
-        for places, here in _parts(batch, np.flatnonzero(unclear)):
+        walk = ModeWalk(modes, FollowedModes(there.values[:, moving], there.states[:, :, moving]))
+        for places, here in _parts(modes, np.flatnonzero(unclear)):
             columns[np.ix_(places, moving)] = walk.columns(places, here)
             mac[places], mixed[places], partners[places] = _compared(there, here, columns[places])
-    return TrackedModes(batch, known, columns, mac, mixed >= VEERING_MAC, partners)
+    return TrackedModes(modes, known, columns, mac, mixed >= VEERING_MAC, partners)
 
 
-def _parts(batch: BatchedModes, places: NDArray[np.intp]) -> Iterator[tuple[NDArray[np.intp], FollowedModes]]:
+def _parts(modes: BatchedModes, places: NDArray[np.intp]) -> Iterator[tuple[NDArray[np.intp], FollowedModes]]:
     """Yield the places of some variants at a time, with eigenvalues and energy vectors of all their modes."""
     for start in range(0, len(places), VARIANTS_AT_ONCE):
         some = places[start : start + VARIANTS_AT_ONCE]
-        yield some, FollowedModes(batch.eigenvalues[some], mode_states(batch, some))
+        yield some, FollowedModes(modes.eigenvalues[some], mode_states(modes, some))
 
 
 def _of_same_rank(there: ComplexArray, here: ComplexArray) -> Columns:

@@ -193,7 +193,7 @@ class PlannedElement:
         return bool(self.parts)
 
     def has_rows_of(self, parts: tuple[Part, ...]) -> bool:
-        """Whether ``found`` parts act on the same rows as those of the element, so that only coefficients differ."""
+        """Whether ``parts`` act on the same rows as those of the element, so that only coefficients differ."""
         return len(self.parts) == len(parts) and all(
             type(own) is type(other) and (own.row == other.row if isinstance(own, Law) else own == other)
             for own, other in zip(self.parts, parts, strict=True)

@@ -134,7 +134,7 @@ def make_reading_problem(
     terms: list[tuple[ReadingPart, ...]] = [() for _ in outputs]
     terms += [tuple(rows.part(term) for term in reading.terms) for reading in measured]
     sensed = tuple(rows.number_of(assembly.columns_of(action.sensed, number)) for action in assembly.system.actions)
-    columns = dict(enumerate(gaps.found, n_given + len(twists)))
+    columns = dict(enumerate(gaps.opened, n_given + len(twists)))
     # gamma of every law, with what opening gaps adds to it and imposed twists take from it.
     rounded = number is float
     laws = [*assembly.law_columns] if rounded else [assembly.columns_of(row, number) for row in assembly.exact_rows]
@@ -225,7 +225,7 @@ class _Gaps:
     Torques at ports of one element may be equal up to a factor.
     """
 
-    found: list[Gap] = field(default_factory=list)
+    opened: list[Gap] = field(default_factory=list)
     numbers: dict[tuple[frozenset[tuple[Any, Fraction]], ...], int] = field(default_factory=dict)
 
     def part(self, reading: Functional) -> ReadingPart:
@@ -240,7 +240,7 @@ class _Gaps:
         factor = next((size for _, size in sizes if size), Fraction(1))
         laws = {law: work / factor for law, work in laws.items() if work}
         nodes = {node: share / factor for node, share in reading.applied.items() if share}
-        number = self.numbers.setdefault((frozenset(laws.items()), frozenset(nodes.items())), len(self.found))
-        if number == len(self.found):
-            self.found.append(Gap(laws, nodes))
+        number = self.numbers.setdefault((frozenset(laws.items()), frozenset(nodes.items())), len(self.opened))
+        if number == len(self.opened):
+            self.opened.append(Gap(laws, nodes))
         return ReadingPart(number, None, factor)

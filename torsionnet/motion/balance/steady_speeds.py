@@ -91,7 +91,7 @@ def steady_speeds(
     ModelError
         There is none: a torque beyond the breakdown torque, or torques that leave something over.
     """
-    return _Motions.of(network, external, given, title).found()
+    return _Motions.of(network, external, given, title).steady()
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +144,7 @@ class _Motions:
             np.abs(row - row @ self.directions).max(initial=0.0) < ZERO_SHARE * np.abs(row).max()
         )
 
-    def found(self) -> list[SteadySpeeds]:
+    def steady(self) -> list[SteadySpeeds]:
         """Steady motions, by rising rates."""
         fixed = dict(self._fixed())
         torques = self.torques - sum(

@@ -170,7 +170,7 @@ def _result(
             if left:
                 beyond.append((number, each.motion.parameter, left))
             else:
-                motions.append(_found(branch.problem, each.motion, each.turn, number, readings))
+                motions.append(_motion_read(branch.problem, each.motion, each.turn, number, readings))
     if not motions:
         what = beyond[0][2] if beyond else "no motion was found where one was asked for; ask for more places"
         raise SolveError(what, kind="beyond-table" if beyond else "no-period")
@@ -231,7 +231,7 @@ def _between(
     return problem.solve(at, unpacked(before.u + share * (after.u - before.u), len(problem.forces)), harmonics)
 
 
-def _found(
+def _motion_read(
     problem: PeriodicProblem, motion: PeriodicMotion, turn: str, branch: int, readings: Sequence[Functional]
 ) -> FoundMotion:
     on_edge = turn in EDGES

@@ -100,12 +100,12 @@ class _Search:
     def __init__(self, function: OfPoints, d: int, numbers: np.random.Generator) -> None:
         self.function, self.d, self.numbers = function, d, numbers
         self.evaluations = 0
-        self.points, self.found = np.zeros((0, d)), np.zeros(0)
+        self.points, self.reached = np.zeros((0, d)), np.zeros(0)
         self.lowest = np.inf
 
     @property
     def best(self) -> float:
-        return float(self.found[0])
+        return float(self.reached[0])
 
     @property
     def range(self) -> float:
@@ -120,7 +120,7 @@ class _Search:
 
     def offer(self, points: FloatArray, values: FloatArray) -> None:
         """Keep the best of the points given and those found before, each once."""
-        points, values = np.concatenate([self.points, points]), np.concatenate([self.found, values])
+        points, values = np.concatenate([self.points, points]), np.concatenate([self.reached, values])
         order = np.argsort(-values, kind="stable")
         kept: list[int] = []
         for index in order[: 50 * POLISHED]:
@@ -128,7 +128,7 @@ class _Search:
                 kept.append(int(index))
             if len(kept) == POLISHED:
                 break
-        self.points, self.found = points[kept], values[kept]
+        self.points, self.reached = points[kept], values[kept]
 
     def corners(self) -> None:
         """Try the middle and all corners of the unit cube, or random corners where there are too many."""

@@ -43,7 +43,7 @@ class ExactSlopes:
 
     def _whole(self, values: Mapping[str, float]) -> FloatArray:
         """Derivatives (n_points of all, n_p) in SI of all wanted quantities, NaN for those that have none."""
-        slopes = self._found(values)
+        slopes = self._derivatives(values)
         nothing = [np.full((size, len(self.evaluator.names)), np.nan) for size in self._sizes]
         return np.concatenate([slopes.get(name, nan) for name, nan in zip(self.wanted, nothing, strict=True)])
 
@@ -55,7 +55,7 @@ class ExactSlopes:
         ]
         return [len(form.points) for form in forms]
 
-    def _found(self, values: Mapping[str, float]) -> dict[str, FloatArray]:
+    def _derivatives(self, values: Mapping[str, float]) -> dict[str, FloatArray]:
         derivatives = {name: self._of_response(quantity, values) for name, quantity in self._responses.items()}
         modal = self._modal
         if modal:

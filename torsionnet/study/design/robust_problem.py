@@ -171,7 +171,7 @@ class RobustQuantities:
     def samples(self, designs: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         """Worst values (n, count) in SI over the points of objectives, deviations and limits in n designs' samples."""
         goals, count = self.problem.goals, self.tolerances.count
-        values_at = self._found(designs)
+        values_at = self._at(designs)
         worst: dict[str, FloatArray] = {}
         for objective in goals.objectives:
             # The worst point of a sample, with the sign that makes large bad.
@@ -184,7 +184,7 @@ class RobustQuantities:
             worst |= {_side(name, sign): sign * (sign * values_at[name]).max(axis=1) for sign in (1.0, -1.0)}
         return {name: values.reshape(-1, count) for name, values in worst.items()}
 
-    def _found(self, designs: Mapping[str, FloatArray]) -> Found:
+    def _at(self, designs: Mapping[str, FloatArray]) -> Found:
         values = self.problem.evaluate(self.tolerances.around(designs))
         self.problem.goals.check(values)
         size = len(next(iter(designs.values()))) * self.tolerances.count
