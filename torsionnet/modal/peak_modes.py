@@ -105,6 +105,7 @@ def peak_picking(
         raise SolveError(
             f"no peak stands out by {prominence:g} dB; give a lower prominence, or fit the modes", kind="no-resonance"
         )
+    # NaN where the curve falls to half power on neither side.
     good = [peak for peak in peaks if 0 < peak.damping_ratio < 1]
     if not good:
         raise SolveError(

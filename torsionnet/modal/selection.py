@@ -77,6 +77,7 @@ def significant_poles(lines: Lines, poles: ComplexArray, rows: ComplexArray, set
                     place,
                 )
             )
+        # Backward elimination by the BIC.
         least, place = min(trials)
         if least >= best:
             break
@@ -373,6 +374,7 @@ def _chosen(response: FrequencyResponse, settings: Settings) -> Stabilisation:
         (only,) = taken
         (other,) = NAMES.keys() - taken.keys()
         return replace(diagrams[only], choice=f"{NAMES[only]}, since {NAMES[other]} finds no stable pole")
+    # Both by one criterion, with the noise of the better fit.
     better = _advantage(diagrams["rational"], taken["rational"], taken["lscf"])
     best, rest = tuple(NAMES)[:: -1 if better > CLEAR_BIC_DIFFERENCE else 1]
     how = f"{abs(better):.4g} higher" if abs(better) > CLEAR_BIC_DIFFERENCE else "no better"

@@ -161,6 +161,7 @@ def _run_scenario(
         text = f"{chosen.length:g} s at {rate:g} Hz are more than {MOST_SAMPLES} samples"
         raise UsageError(f"{text}; give a lower rate or a shorter duration", kind="too-large")
     given = isinstance(driven.start, MotionStart)
+    # From event to event wherever a law acts in full, else as the response of a linear system.
     if given or driven.course.in_full or has_laws_of_motion(drivetrain):
         record = _from_event_to_event(drivetrain, driven, asked, rate, count, check=check)
     else:
@@ -282,6 +283,7 @@ def _mean_readings(drivetrain: AssembledModel, driven: DrivenPlaces, request: Tr
         for number, output in enumerate(request.outputs)
         if output.sensor is not None and reason_undetermined(loaded, output) is None
     ]
+    # What mean torques do not determine, as an angle of what turns freely, counts from the mean motion.
     chosen = [one for number in wanted if (one := request.outputs[number].sensor) is not None]
     asked = chosen or _probe(loaded)
     try:

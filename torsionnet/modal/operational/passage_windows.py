@@ -194,6 +194,7 @@ def tracked_windows(
         raise UsageError(
             f"{steps} steps in time are too many: cut the run-up to the passage through the resonance", kind="too-large"
         )
+    # The angle of rotation from the speeds: their spline integrated over steps that resolve the order.
     fine = np.linspace(first, last, steps)
     rows, columns, parts = [], [], []
     for row, (time, speed) in enumerate(zip(times, speeds, strict=True)):

@@ -298,6 +298,7 @@ def modes_from_run_up(
     turned = mean.angle(times)
     values = signal.values[inside] - turned if signal.quantity == "angle" else signal.values[inside]
     windows = passage_windows(times, values, turned, orders, revolutions)
+    # The band follows from a first reading, and is read again without what lies outside it.
     low, high = band or _band(windows)
     times, values, turned = _section(times, values, turned, orders[0], (low, high))
     windows = passage_windows(times, values, turned, orders, revolutions).within(low, high)

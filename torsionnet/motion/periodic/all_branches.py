@@ -79,6 +79,7 @@ def all_branches(
     def left() -> int:
         return MOST_FOLLOWED - sum(len(each.branch.points) for each in branches)
 
+    # Starts from which branches are reached: torques that grow from nothing, other sizes, a simulated motion.
     middle = np.sqrt(low * high)
     for at in dict.fromkeys((high, low, middle)):
         for motion in from_rest(problem, at):
@@ -96,6 +97,7 @@ def all_branches(
                 count = traced * motion.subharmonics
                 way = "from a simulated motion"
                 branches.append(_with_crossings(_both_ways(own, motion, (low, high), count, way, max(left(), OWN))))
+    # Branches that fork off those found, which may fork again; a branch met twice is the same in its middle.
     place, tried = 0, 0
     while place < len(branches):
         origin, unfollowed = branches[place], []

@@ -118,6 +118,7 @@ class Tracer:
             left, J, slope = self._equations(at[:-1], float(at[-1]))
             if not np.isfinite(left).all():
                 return None
+            # Pseudo-arclength: R(x, p) = 0 and t.step = ds in scaled lengths, which passes folds like other points.
             whole = np.vstack([np.hstack([J, slope[:, None]]) * scale, along])
             over = float(along @ ((at - start) / scale)) - ds
             try:
@@ -125,6 +126,7 @@ class Tracer:
             except np.linalg.LinAlgError:
                 return None
             at = at - change * scale
+            # A change as large as the scale leads to another branch, if anywhere.
             if np.abs(change).max() > 1:
                 return None
             if np.abs(change).max() <= CLOSE:

@@ -209,6 +209,7 @@ class CondensedPlant:
             rest = float(over[worst] / np.abs(free[:, worst]).max())
             text = "the mean torques do not balance on what turns freely: {rest:.6g} N m are left; give the load"
             raise UsageError(phrase(text, rest=rest), kind="unbalanced-torques")
+        # A law with a share in what turns freely has no mean twist of its own.
         turned = [
             law
             for law, row, rate in zip(self.laws, self.rows @ free, self.turning, strict=True)
@@ -248,6 +249,7 @@ class CondensedPlant:
             if term.law in places:
                 over_laws[places[term.law]] += float(term.factor)
                 continue
+            # A torque reads kappa gamma = (J s^2 + c s + k) gamma of its law, a motion s^power gamma.
             kappa = receptances.s**term.power
             if term.law is not None:
                 if isinstance(self.assembly.laws[term.law], PlacedLaw):

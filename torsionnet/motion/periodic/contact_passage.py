@@ -181,6 +181,7 @@ class ContactMarch:
         contact = states.fixed(contact, z / units)
         refresh = states.form(contact).refresh
         z = refresh @ z
+        # Monodromy: the product of exp(A t) of all stretches, with what each event changes between them.
         change, time = refresh.copy(), 0.0
         stretches: list[PeriodStretch] = []
         while self.period - time > LOCATED * self.period:
@@ -196,6 +197,7 @@ class ContactMarch:
                 text = f"{owner}: its torque changes its piece more than {MOST_EVENTS} times in a period"
                 raise SolveError(text, kind="no-period")
             following, _ = states.after(contact, guard, z / units, time)
+            # Saltation: beside the orbit the event moves in time by rows.dz / speed, over which the other rates act.
             rows = guard_rows(form, states.laws, contact, at, states.drive.scale_of)[guard]
             entered = states.form(following)
             speed = float(rows @ form.A @ z)
@@ -228,6 +230,7 @@ class ContactMarch:
             return left, -1
         A, passed = self.states.form(contact).A, 0.0
         while passed < left:
+            # Guards and their rates at all looks of a block by one product each.
             values = ahead @ z
             rates = ahead @ (A @ z)
             sizes = np.abs(guards) @ np.abs(z)
@@ -316,6 +319,7 @@ class ContactMarch:
             if smaller < ROUNDING or smaller > 0.5 * opening or number == most:
                 break
             opening = smaller
+            # z(T) - z = 0, whose slope is the monodromy less 1; what turns on is free to.
             matrix = passage.monodromy[own, own] - np.eye(len(gap))
             step = np.linalg.lstsq(matrix, gap, rcond=1e-12)[0]
             step[turned] = 0.0

@@ -129,6 +129,7 @@ def over_speed(
     _require_period(first.lines, first.inputs)
     _require_fixed_values(drivetrain)
     relative = [line.relative for line in first.lines]
+    # All orders are whole multiples of one: gcd of the numerators over lcm of the denominators.
     base = Fraction(
         math.gcd(*(order.numerator for order in relative)), math.lcm(*(order.denominator for order in relative))
     )
@@ -153,6 +154,7 @@ def over_speed(
         orders = request.loads(np.array([speed]))
         torques = np.zeros((max(harmonics) + 1, len(inputs)), dtype=complex)
         for line, harmonic in enumerate(harmonics):
+            # Re(v exp(-j h w t)) = Re(v* exp(j h w t)) for lines that turn backward.
             backward = orders.hertz[0, line] < 0
             for place, channel in enumerate(orders.inputs):
                 value = orders.loads[0, line, place]

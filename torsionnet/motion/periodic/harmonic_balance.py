@@ -210,6 +210,7 @@ def newton(balance: HarmonicBalance, start: ComplexArray) -> ComplexArray | None
             return None
         if np.abs(step).max() <= CLOSE * max(np.abs(x).max(), np.abs(balance.driven).max()):
             return x - step
+        # Damped Newton: the step is halved until the residual falls by a quarter of what the slopes promise.
         size, part = float(np.linalg.norm(left)), 1.0
         while True:
             moved = x - part * step

@@ -305,6 +305,7 @@ def force_of(owner: str, law: MotionLaw, spring_before: Callable[[], float], siz
     if not spring:
         return _resolved(owner, curve, scale, size, 1)
     most = slopes[-1]
+    # Jenkins element: a spring behind friction that sticks with the torque with which it slips.
     held = max(float(piece.high) for piece in curve.pieces if isinstance(piece, Hold))
     if len(curve.pieces) != 3 or most.damping or held != float(most.torque):
         text = "friction behind a spring that changes with the slip or sticks with more than it slips"
@@ -332,6 +333,7 @@ def _resolved(owner: str, curve: PieceCurve, scale: float, r: float, power: int)
     if (np.diff(x) <= 0).any() or (np.diff(torque) < 0).any():
         text = "its torque falls with the motion where it sticks, which periodic motion does not work out"
         raise UsageError(f"{owner}: {text}; use simulate", kind="unsupported-law")
+    # dT/dx of a slope k behind r in series, k r / (k + r).
     before, after = (slope * r / (slope + r) for slope in (ends[0], ends[-1]))
     return ResolvedForce(x, torque, before, after, power, 1 / r)
 

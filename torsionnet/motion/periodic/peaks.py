@@ -51,6 +51,7 @@ def with_peaks(
         if before is not None:
             yield before
         first, last = 0 if before is None else before.place + 1, len(points) - 2 if after is None else after.place
+        # A peak is looked for where a point of the branch swings further than the motions listed on both sides.
         own = swings[max(first, 1) : last + 1]
         beside = np.array([_swings(branch.problem, end.motion, readings) for end in (before, after) if end is not None])
         if not len(own):

@@ -312,6 +312,7 @@ class HistoryEntry(Composite[Course]):
             faults += [fault.under(*((key,) if keyed else (place, 1))) for fault in further]
             if course is not None:
                 rows.append((time, course))
+        # Two rows at one time are a jump, the left and the right value.
         thrice = [time for time, after in zip([row[0] for row in rows], [row[0] for row in rows[2:]], strict=False)
                   if time == after]  # fmt: skip
         faults += [

@@ -317,6 +317,7 @@ class _SmoothMotion:
                     f"at {solver.t:.6g} s {text}; look at the torque and the motion of {owner} there",
                     kind="no-solution",
                 )
+            # Guards at Chebyshev points of the step, through which an event inside it shows as a root.
             course, end = solver.dense_output(), solver.t
             places, weights, _ = nodes()
             Z = plant.whole_states(now, course, start + places * (end - start), stretch)
@@ -369,12 +370,14 @@ class _SmoothMotion:
                 f"{text}, without an end to be seen; give the contact or the friction a stiffness or a damping",
                 kind="no-solution",
             )
+        # The fastest vibration says how short a flight may be.
         plant.states.h = BOUNCE_STEP / turning
         contact, _ = plant.states.after(now.contact, guard, z / in_steps(plant.at, plant.states.h), time)
         self.events += [MotionEvent(time, *change) for change in plant.states.changes(now.contact, contact)]
         following = plant.contact(contact)
         self.method.entered(following)
         after = plant.states_of(following, z, plant.lags_in(y))
+        # What is lost at once, as by friction that catches, is the fall of the stored energy.
         loser = losing_law(plant.states.laws, now.contact, contact)
         if loser:
             left = plant.stored_energy(following, plant.whole(following, time, after, stretch))

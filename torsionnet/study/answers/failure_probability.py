@@ -39,6 +39,7 @@ def failure_margin(case: AnswerCase, limits: dict[str, QuantityLimit]) -> OfPoin
 
     def margin(points: FloatArray) -> FloatArray:
         values = case.calculated(case.space.from_standard_normal(points), names)
+        # Limits in series: a variant fails where it passes any of them.
         return np.asarray(np.min([limit_distance(limits[name], values[name]) for name in names], axis=0))
 
     return margin

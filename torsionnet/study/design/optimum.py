@@ -105,6 +105,7 @@ class DesignAnswer(StudyAnswer):
         acted_on = any(evaluator.model.assembly.kinematics.actions for evaluator in evaluators)
         if names or acted_on:  # no derivatives, neither of samples nor where a torque follows another motion
             return DesignProblem(parameters, goals, quantities), quantities
+        # Peaks of curves have kinks where the highest one changes; the curves themselves are smooth.
         curves = peak_curves(goals.quantities, varied, evaluators)
         return DesignProblem(parameters, goals, quantities, quantities.slopes, curves), quantities
 

@@ -185,6 +185,7 @@ class RobustQuantities:
         return {name: values.reshape(-1, count) for name, values in worst.items()}
 
     def _at(self, designs: Mapping[str, FloatArray]) -> Found:
+        # All samples of all designs in one batch, design by design.
         values = self.problem.evaluate(self.tolerances.around(designs))
         self.problem.goals.check(values)
         size = len(next(iter(designs.values()))) * self.tolerances.count

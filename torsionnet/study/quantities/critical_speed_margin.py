@@ -194,5 +194,6 @@ class Utilisation(SpeedQuantity):
         )
         verdicts = [check.of(self.limit, self.criterion)] if self.limit and self.criterion else check.verdicts
         utilisations = [verdict.utilisation[verdict.worst] for verdict in verdicts if verdict.worst is not None]
+        # A check that could not be made has no worst place and does not pass: its utilisation is not known.
         judged = all(verdict.worst is not None or verdict.verdict == "pass" for verdict in verdicts)
         return float(np.max(utilisations)) if utilisations and judged else float("nan")

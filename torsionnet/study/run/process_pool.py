@@ -144,6 +144,7 @@ class ProcessExecutor:
                             result = done.result()
                             yield waiting.pop(done), result
                 except BrokenProcessPool:
+                    # A worker that dies, as for want of memory, ends the pool: its parts are tried again in a new one.
                     again += waiting.values()
                     deaths.update(waiting.values())
                     self._end()

@@ -90,6 +90,7 @@ def merge_chunks(
     for numbers in chunks.side_by_side():
         flags = {}
         for name, number in zip(names, numbers, strict=True):
+            # One chunk at a time in memory: moments and histograms add up, and flags of the same draws are joined.
             values = chunk(number)
             parts[name].add(replace(values, beyond=None))
             if values.beyond is not None:

@@ -196,6 +196,7 @@ def bound_space(
             axes[name] = bound
     faults += unreachable(model, marginals, axes)
     faults += [fault.under("sampling") for fault in _sampling_faults(vary, sampling)]
+    # Draws are coloured by the Cholesky factor of the correlation of the normal variables.
     root, wrong = _root(vary, correlation, marginals)
     faults += [fault.under("correlation") for fault in wrong]
     if any(fault.severity == "error" for fault in faults):

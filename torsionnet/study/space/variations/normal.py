@@ -99,6 +99,7 @@ def truncated(whole: Marginal, low: Number | None, high: Number | None, reader: 
     if reader.faults:
         return whole
     limited = TruncatedMarginal(whole, *ends)
+    # Shares and densities are divided by what is left of the whole: of hardly anything they have no digits.
     if not limited.share >= LEAST_SHARE_LEFT:
         key = "low" if low is not None else "high"
         reader.fault(
