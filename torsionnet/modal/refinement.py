@@ -283,9 +283,7 @@ def _chosen(lines: Lines, start: ComplexArray, settings: Settings) -> ComplexArr
                 candidates.append(poles)
                 left.append(_left(scaled, poles, settings))
             criterion = BicCriterion(scaled, min(left, key=lambda each: float((np.abs(each) ** 2).sum())))
-            values = [
-                criterion.value(each, pole_count(candidate)) for each, candidate in zip(left, candidates, strict=True)
-            ]
+            values = [criterion.value(each, pole_count(poles)) for each, poles in zip(left, candidates, strict=True)]
             if len(candidates) > int(np.argmin(values)) + MORE_ORDERS + 1:
                 break
         place = int(np.argmin(values))

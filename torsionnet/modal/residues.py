@@ -181,9 +181,8 @@ class Projection:
         lines = self.lines
         columns = np.hstack([self._modes(coefficients_of(logarithms)), lines.s[:, None] ** self._end_powers])
         responses = np.empty(lines.values.shape, dtype=complex)
-        for (o, i), (_, _, (_, solution)) in zip(
-            np.ndindex(*responses.shape[1:]), self._pairs(logarithms), strict=True
-        ):
+        pairs = self._pairs(logarithms)
+        for (o, i), (_, _, (_, solution)) in zip(np.ndindex(*responses.shape[1:]), pairs, strict=True):
             responses[:, o, i] = lines.s ** lines.powers[o, i] * (columns @ solution[: columns.shape[1]])
         return responses
 

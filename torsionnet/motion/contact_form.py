@@ -298,9 +298,7 @@ def _form(
     system = RowSystem(law_rows, linear.inertia, coefficients[0].copy(), coefficients[1].copy())
     key = "kinds", tuple(holds), (coefficients != 0).tobytes()  # whatever their sizes
     kinds, basis, loose = plant.remembered(key, lambda: _kinds(system))
-    actions: list[LawStates] = [
-        replace(action, row=action.row @ held.Z, sensed=action.sensed @ held.Z) for action in plant.actions
-    ]
+    actions: list[LawStates] = [replace(law, row=law.row @ held.Z, sensed=law.sensed @ held.Z) for law in plant.actions]
     heavy, damped, static = kinds
     names = tuple("" for _ in range(2 * heavy.shape[1] + damped.shape[1]))
     try:

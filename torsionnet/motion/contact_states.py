@@ -294,9 +294,7 @@ class ContactStates:
             phase, way, scale = law.phases[contact[number]], own.row @ loose.motions, self._scale(number, z)
             if phase.kind == "hold" or not (np.abs(way) > NEGLIGIBLE_ENTRY * np.abs(own.row).max()).any():
                 continue
-            hold = next(
-                (each for each in law.phases if law.over_rate and each.kind == "hold" and each.lower == 0), None
-            )
+            hold = next((at for at in law.phases if law.over_rate and at.kind == "hold" and at.lower == 0), None)
             torque = scale * phase.torque
             if hold is None:
                 torques -= torque * way

@@ -87,10 +87,7 @@ class Driving:
     def breaks(self) -> tuple[float, ...]:
         """Times in s within the duration at which a piece of a history begins."""
         starts = {
-            self._at_sample(at)
-            for history in self.entries
-            if not isinstance(history, np.ndarray)
-            for at in history.breaks
+            self._at_sample(at) for entry in self.entries if not isinstance(entry, np.ndarray) for at in entry.breaks
         }
         return tuple(sorted(start for start in starts if 0 < start < self.duration))
 
@@ -128,11 +125,9 @@ class Driving:
         stretches = []
         # Lines and waves of histories, and the straight lines between samples as chords.
         for place, (start, end) in enumerate(pairwise(cuts)):
-            straight = self.straight(start, end)
+            line = self.straight(start, end)
             slopes = (at[:, place + 1] - at[:, place]) / (end - start)
-            stretches.append(
-                Stretch(start, end, straight.values + at[:, place], straight.slopes + slopes, straight.waves)
-            )
+            stretches.append(Stretch(start, end, line.values + at[:, place], line.slopes + slopes, line.waves))
         return tuple(stretches)
 
     def _corners(self) -> set[float]:
@@ -281,9 +276,7 @@ def held_load(drivetrain: AssembledModel, nodes: Container[str]) -> tuple[str, .
     if load is None:
         return ()
     # Their slopes follow the speed also where they are linear.
-    following = {
-        getattr(element, "node", None) for element in drivetrain.definition.switched_on if element.has_motion_laws
-    }
+    following = {getattr(part, "node", None) for part in drivetrain.definition.switched_on if part.has_motion_laws}
     held = [
         place
         for place, torque in load.by_place.items()

@@ -155,7 +155,7 @@ class MarchTable:
         return tuple(getattr(self, field.name) for field in fields(self))
 
 
-FIELDS = tuple(one.name for one in fields(MarchTable))
+FIELDS = tuple(field.name for field in fields(MarchTable))
 """Names of the tables in the order in which the march takes them."""
 
 

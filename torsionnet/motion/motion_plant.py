@@ -112,9 +112,7 @@ class MotionPlant:
         laws = zip(system.sparse_rows, system.stiffness, self.assembly.laws, strict=True)
         # Motions that neither springs nor contacts nor controllers feel.
         elastic = [row for row, stiffness, law in laws if stiffness and not _is_over_rate(law)]
-        felt = [
-            action for action in self.actions if action.at_once[0] or action.G[:, 0].any()
-        ]  # with their states at rest
+        felt = [law for law in self.actions if law.at_once[0] or law.G[:, 0].any()]  # with their states at rest
         sensed = [dict(enumerate(action.sensed.tolist())) for action in felt]
         rows = [*elastic, *({place: value for place, value in row.items() if value} for row in sensed)]
         turning = []
@@ -159,11 +157,8 @@ def motion_plant(drivetrain: AssembledModel) -> MotionPlant:
 
 def over_time(drivetrain: AssembledModel) -> AssembledModel:
     """Drivetrain whose elements have the laws of their motion over time."""
-    moved = {
-        element.name: element.over_time
-        for element in drivetrain.definition.switched_on
-        if element.over_time is not element
-    }
+    active = drivetrain.definition.switched_on
+    moved = {element.name: element.over_time for element in active if element.over_time is not element}
     if not moved:
         return drivetrain
     elements = {**drivetrain.definition.elements, **moved}

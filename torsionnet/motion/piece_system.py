@@ -432,6 +432,4 @@ def added_up(balances: Sequence[AnyBalance]) -> EnergyBalance:
     for balance in balances:
         for owner, value in balance.dissipated.items():
             lost[owner] = lost.get(owner, 0.0) + value
-    return EnergyBalance(
-        sum(balance.supplied for balance in balances), sum(balance.stored for balance in balances), lost
-    )
+    return EnergyBalance(sum(part.supplied for part in balances), sum(part.stored for part in balances), lost)

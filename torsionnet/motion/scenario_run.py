@@ -284,7 +284,7 @@ def _mean_readings(drivetrain: AssembledModel, driven: DrivenPlaces, request: Tr
         if output.sensor is not None and reason_undetermined(loaded, output) is None
     ]
     # What mean torques do not determine, as an angle of what turns freely, counts from the mean motion.
-    chosen = [one for number in wanted if (one := request.outputs[number].sensor) is not None]
+    chosen = [sensor for number in wanted if (sensor := request.outputs[number].sensor) is not None]
     asked = chosen or _probe(loaded)
     try:
         means = mean_response(loaded, asked).values[0] if asked else readings

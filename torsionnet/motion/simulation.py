@@ -176,8 +176,7 @@ def _band_limited(
     every = [ways.get(name, "straight") for name in inputs]
     every += [signal.between for signal in recording.signals[len(every) :]]
     signals = tuple(
-        replace(signal, values=signal.values[::POINTS_BETWEEN], between=way)
-        for signal, way in zip(recording, every, strict=True)
+        replace(at, values=at.values[::POINTS_BETWEEN], between=way) for at, way in zip(recording, every, strict=True)
     )
     note = f"band-limited torques: in {POINTS_BETWEEN} straight lines between two samples"
     return replace(recording, signals=signals, sampling_rate=rate).with_notes(note)
@@ -186,15 +185,9 @@ def _band_limited(
 def _linear_notes(drivetrain: AssembledModel, *, laws: bool) -> list[str]:
     """Notes on elements that are linear about a working point in their entries, of those with or without laws."""
     elements = drivetrain.definition.switched_on
-    given = [
-        element for element in elements if any(getattr(element, entry) is not None for entry in element.working_point)
-    ]
-    in_full = {element.name: element.has_motion_laws or element.over_time is not element for element in given}
-    names = [
-        element.name
-        for element in given
-        if in_full[element.name] == laws and (element.has_own_working_point or not laws)
-    ]
+    given = [part for part in elements if any(getattr(part, entry) is not None for entry in part.working_point)]
+    in_full = {part.name: part.has_motion_laws or part.over_time is not part for part in given}
+    names = [part.name for part in given if in_full[part.name] == laws and (part.has_own_working_point or not laws)]
     return [f"linear about the working point in its entries: {name}" for name in names]
 
 

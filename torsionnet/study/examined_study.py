@@ -113,10 +113,8 @@ def space_faults(space: Space, models: Mapping[str, Model]) -> list[Fault]:
     faults: list[Fault] = []
     spaces: dict[str, Space] = {}
     for name, model in models.items():
-        there, faults_there = Space.of(space.entries, model)
-        faults += [
-            replace(fault, configuration=name) for fault in faults_there if (fault.path, fault.message) not in known
-        ]
+        there, wrong = Space.of(space.entries, model)
+        faults += [replace(fault, configuration=name) for fault in wrong if (fault.path, fault.message) not in known]
         if there is not None:
             spaces[name] = there
     return faults + _overruled(spaces)
@@ -237,19 +235,15 @@ def _space(model: Drivetrain, given: Mapping[str, Any], values: Mapping[str, Any
         faults += [fault.under("correlation") for fault in wrong]
     if space is not None:
         return space, faults
-    sound = {
-        name: variation
-        for name, variation in vary.items()
-        if not any(fault.path[:2] == ("vary", name) for fault in faults)
-    }
+    wrong_names = {fault.path[1] for fault in faults if fault.path[:1] == ("vary",) and len(fault.path) > 1}
+    sound = {name: variation for name, variation in vary.items() if name not in wrong_names}
     return (Space.of(SpaceEntries(vary=sound), model)[0] if sound else None), faults
 
 
 def _sound_quantities(asked: Mapping[str, StudyQuantity], faults: list[Fault]) -> dict[str, StudyQuantity]:
     """Quantities of a study that have no fault and are not calculated from one with a fault."""
-    sound = {
-        name: quantity for name, quantity in asked.items() if not any(fault.path[1:2] == (name,) for fault in faults)
-    }
+    wrong = {fault.path[1] for fault in faults if len(fault.path) > 1}
+    sound = {name: quantity for name, quantity in asked.items() if name not in wrong}
     while lost := [name for name, quantity in sound.items() if not sound.keys() >= {*quantity.parts}]:
         sound = {name: quantity for name, quantity in sound.items() if name not in lost}
     return sound

@@ -88,11 +88,7 @@ def shown_units(study: AskedStudy, conventions: Conventions | None = None) -> Sh
         if unit and _is_of(unit, si[name]):
             written[name] = unit
     for name, limit in study.limits.items():
-        units = [
-            limit_side.unit
-            for limit_side in (limit.below, limit.above)
-            if isinstance(limit_side, ValueInUnit) and limit_side.unit
-        ]
+        units = [side.unit for side in (limit.below, limit.above) if isinstance(side, ValueInUnit) and side.unit]
         if units and _is_of(units[0], si[name]):
             written[name] = units[0]
     limited = " ".join(written.get(name, "") for name in study.limits)

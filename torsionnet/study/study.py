@@ -277,9 +277,8 @@ def load_study(path: str | os.PathLike[str]) -> Study:
     name = document.data.get("model")
     model, further = _model(str(name), file.parent) if isinstance(name, str) else (None, [])
     faults += further
-    study, further = (
-        study_of(model, document.data) if model is not None else (None, StudyEntries.read(document.data)[1])
-    )
+    data = document.data
+    study, further = study_of(model, data) if model is not None else (None, StudyEntries.read(data)[1])
     faults += further
     errors = [fault for fault in faults if fault.severity == "error"]
     if errors or study is None:

@@ -291,8 +291,7 @@ class StudyResult(NotebookResult):
         """Statistics of the study in full precision for JSON, without the values of single variants."""
         every, study = self.kept.every, self.study
         rows = tuple(
-            summary.row(name, case, self.percentiles(name, SHOWN, case))
-            for (case, name), summary in self.summaries.items()
+            own.row(name, case, self.percentiles(name, SHOWN, case)) for (case, name), own in self.summaries.items()
         )
         return StatisticsRecord(
             study.count, study.seed, study.model.title, __version__, SHOWN, rows, self.notes,

@@ -262,9 +262,7 @@ class SymbolicFraction:
         """Sympy expressions in the leaves of the transfer function's program."""
         needed = (self.steps.steps[index] for index in self.steps.needed(self.outputs))
         payloads = [step[1] for step in needed if step[0] == "leaf"]
-        parts = [
-            part for payload in payloads for part in (payload.parts if isinstance(payload, Stiffness) else (payload,))
-        ]
+        parts = [part for leaf in payloads for part in (leaf.parts if isinstance(leaf, Stiffness) else (leaf,))]
         return tuple(dict.fromkeys(part for part in parts if isinstance(part, sympy.Basic)))
 
     @cached_property
@@ -328,11 +326,8 @@ def is_imposed(drivetrain: AssembledModel) -> bool:
 def hold_imposed_angles(drivetrain: AssembledModel, driven: Input | None = None) -> AssembledModel:
     """Drivetrain with its imposed angles held at zero, except that of ``driven``, where the node turns freely."""
     definition, nodes = drivetrain.definition, set(drivetrain.nodes)
-    imposed = [
-        channel
-        for channel in definition.inputs.values()
-        if channel.quantity == "angle" and nodes.issuperset(channel.nodes)
-    ]
+    angles = [channel for channel in definition.inputs.values() if channel.quantity == "angle"]
+    imposed = [channel for channel in angles if nodes.issuperset(channel.nodes)]
     held = [_holder(channel, definition.elements) for channel in imposed if channel != driven]
     elements = {**definition.elements, **{holder.name: holder for holder in held}}
     inputs = {name: channel for name, channel in definition.inputs.items() if channel.quantity != "angle"}

@@ -153,9 +153,7 @@ class LawStiffness:
 
     def in_single_precision(self) -> LawStiffness:
         """Laws and actions rounded to seven digits; the elimination of such laws is calculated to seven digits, too."""
-        J, c, k, omega = (
-            coefficients.astype("f4") for coefficients in (self.inertia, self.damping, self.stiffness, self.omega)
-        )
+        J, c, k, omega = (part.astype("f4") for part in (self.inertia, self.damping, self.stiffness, self.omega))
         sampled: Any = tuple((law, values.astype("c8")) for law, values in self.sampled)
         actions: Any = tuple(values.astype("c8") for values in self.actions)
         return replace(self, inertia=J, damping=c, stiffness=k, omega=omega, sampled=sampled, actions=actions)

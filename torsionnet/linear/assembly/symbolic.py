@@ -76,14 +76,13 @@ def symbol_of(number: Any) -> Any:
 def symbolic_values(definitions: Mapping[str, Any], values: Mapping[str, Any]) -> Values:
     """Evaluator that records on a :class:`SymbolRecord`; a derived parameter has its expression in the basic ones."""
     record = SymbolRecord()
+    algebra = record.algebra
     symbols: dict[str, Any] = {}
     for name in values:
         expression = definitions[name].value
         # A parameter that others define keeps their symbols; one with a number of its own becomes a symbol.
         derived = expression.names
-        symbols[name] = (
-            expression.evaluate(symbols, record.algebra) if derived else record.parameter(name, values[name])
-        )
+        symbols[name] = expression.evaluate(symbols, algebra) if derived else record.parameter(name, values[name])
     return Values(symbols, record.algebra)
 
 

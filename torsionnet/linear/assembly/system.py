@@ -134,9 +134,7 @@ def assemble(
         tuple(_dynamic(index, law) for index, (_, law) in enumerate(laws) if law.table or law.loss_factor),
     )
     actions = action_laws(kinematics) if kinematics.actions else ()
-    same_actions = like is not None and [action.rows for action in actions] == [
-        action.rows for action in like.system.actions
-    ]
+    same_actions = like is not None and [law.rows for law in actions] == [law.rows for law in like.system.actions]
     if like is not None and same_actions and _same_rows(kinematics, like.kinematics):
         shared = like.system
         system = RowSystem(shared.law_rows, *coefficients, actions=actions, memo=shared.memo)

@@ -50,8 +50,7 @@ class BatchBuilder:
         self.count: int = len(next(iter(values.values())))
         system = drivetrain.assembly.system
         self.inertia, self.damping, self.stiffness = (
-            np.tile(coefficients, (self.count, 1))
-            for coefficients in (system.inertia, system.damping, system.stiffness)
+            np.tile(part, (self.count, 1)) for part in (system.inertia, system.damping, system.stiffness)
         )
         self.dynamic: list[BatchedStiffness] = []
         self.moduli: dict[str, FloatArray] = {}
@@ -206,11 +205,7 @@ class BatchPlan:
             return
         # Elements may choose other rows by a value: these are no coefficients of this batch.
         alike = all(planned.has_rows_of(parts) for planned, parts in evaluated if planned.is_on)
-        moduli = {
-            planned.element.name: section_modulus(planned.element, value)
-            for planned in self.elements
-            if planned.is_stressed
-        }
+        moduli = {each.element.name: section_modulus(each.element, value) for each in self.elements if each.is_stressed}
         # Last of all, since each evaluation above may have parted some variants from the first.
         here = filling.followed(places, decisions)
         if not alike:

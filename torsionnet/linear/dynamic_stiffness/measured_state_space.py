@@ -106,8 +106,7 @@ def balanced(*systems: LinearSystem) -> list[LinearSystem]:
 
     _, (scale, _) = matrix_balance(systems[0].A, permute=False, separate=True)
     return [
-        LinearSystem(system.A / scale[:, None] * scale, system.B / scale[:, None], system.C * scale, system.D)
-        for system in systems
+        LinearSystem(own.A / scale[:, None] * scale, own.B / scale[:, None], own.C * scale, own.D) for own in systems
     ]
 
 

@@ -181,9 +181,8 @@ class _Back(_Taping):
                     total = writer.times(eliminated.loads[excitation], TapeQuantity(-1, motion.load))
                 for i, factor, source in motion.parts:
                     if source in motions:
-                        part = writer.times(
-                            writer.times(eliminated.shares[i], motions[source]), TapeQuantity(-1, factor)
-                        )
+                        part = writer.times(eliminated.shares[i], motions[source])
+                        part = writer.times(part, TapeQuantity(-1, factor))
                         total = writer.plus(total, part)
                 if total is not None:
                     motions[motion.slot] = total

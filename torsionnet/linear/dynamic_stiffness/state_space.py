@@ -271,10 +271,8 @@ def reduced_matrices(
                 )
     # An action drives by the factor at_once[p] times s^p y, which leaves the matrix of that power: K, C or M.
     for action in actions:
-        matrices = [
-            matrix - value * np.outer(action.row, action.sensed)
-            for matrix, value in zip(matrices, action.at_once, strict=True)
-        ]
+        dyad = np.outer(action.row, action.sensed)
+        matrices = [matrix - value * dyad for matrix, value in zip(matrices, action.at_once, strict=True)]
     return matrices[2], matrices[1], matrices[0]
 
 
@@ -287,12 +285,8 @@ def close_loops_in_states(form: StateSpaceForm, actions: Sequence[LawStates]) ->
     F, G, H = np.zeros((n_z, n_z)), np.zeros((2, n_z, n_act)), np.zeros((n_act, n_z))
     for number, action in enumerate(actions):
         own = slice(sizes[number], sizes[number + 1])
-        F[own, own], G[0, own, number], G[1, own, number], H[number, own] = (
-            action.F,
-            action.G[:, 0],
-            action.G[:, 1],
-            action.H,
-        )
+        F[own, own], H[number, own] = action.F, action.H
+        G[0, own, number], G[1, own, number] = action.G.T
     sensed = np.array([action.sensed for action in actions])
     Y, Y_in = sensed @ form.X, sensed @ form.U
     if np.abs(np.abs(G[1]) @ np.abs(Y_in)).any():

@@ -191,9 +191,7 @@ def resolve_inputs(
         inputs = tuple(Functional(str(entry), UNITS[channel.quantity], ()) for entry, channel in pairs)
         return TransferRequest((), inputs, excitations, is_measured=False, assembly=drivetrain.assembly)
     if excitations:
-        unmeasured = [
-            str(entry) for entry, channel in zip(entries, resolved, strict=True) if isinstance(channel, Input)
-        ]
+        unmeasured = [str(entry) for entry, at in zip(entries, resolved, strict=True) if isinstance(at, Input)]
         raise UsageError(
             f"{', '.join(unmeasured)} is an excitation and the other inputs are measured; "
             "put a sensor where the excitation acts, or name measured inputs only",
@@ -224,9 +222,7 @@ def resolve_inputs(
 def _torque_on(drivetrain: AssembledModel, channel: Input) -> Input:
     """The given torque input if it acts on nodes that can move, else UsageError, as every response would be zero."""
     kinematics, where = drivetrain.assembly.kinematics, named_nodes(channel)
-    same = (
-        name for name, given in drivetrain.inputs.items() if given.quantity == "angle" and given.nodes == channel.nodes
-    )
+    same = (name for name, own in drivetrain.inputs.items() if own.quantity == "angle" and own.nodes == channel.nodes)
     if (driven := next(same, None)) is not None:
         raise UsageError(
             f"the angle of {where} is imposed by {driven}; name that input, or another node", kind="no-effect"

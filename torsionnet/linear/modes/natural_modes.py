@@ -92,10 +92,7 @@ def elements_beyond_cut(drivetrain: AssembledModel, request: TransferRequest) ->
     from torsionnet.model.readings import port_of
 
     node, _ = port_of(drivetrain.elements[sensor.of], sensor.at)
-    ends = {
-        name: {*element.ports.values(), *element.internal_nodes} - {GROUND}
-        for name, element in drivetrain.elements.items()
-    }
+    ends = {name: {*part.ports.values(), *part.internal_nodes} - {GROUND} for name, part in drivetrain.elements.items()}
     # The cut lies between the element and its node at the port.
     ends[sensor.of].discard(node)
     parts = Groups(drivetrain.nodes)
@@ -237,9 +234,8 @@ def modes_against(
     for text in texts:
         warn_user(text)
     if drivetrain.assembly.system.is_continuous and lowest is None and up_to is None:
-        solved = replace(
-            solved, notes=(*solved.notes, f"{CONTINUOUS} {len(solved)} are given; more with lowest or up_to")
-        )
+        text = f"{CONTINUOUS} {len(solved)} are given; more with lowest or up_to"
+        solved = replace(solved, notes=(*solved.notes, text))
     if up_to is not None:
         solved = solved.first(int(np.sum(solved.natural_frequencies <= up_to)))
     return solved.first(lowest)

@@ -93,9 +93,8 @@ def vibration_range(*modes: Modes) -> tuple[float, float]:
     vibrations = [value for mode in modes for value in mode.damped_frequencies if value > 0]
     if not vibrations:
         return RANGE_WITHOUT_MODES
-    return rounded(float(min(vibrations)) / RANGE_BELOW, up=False), rounded(
-        float(max(vibrations)) * RANGE_ABOVE, up=True
-    )
+    low, high = float(min(vibrations)), float(max(vibrations))
+    return rounded(low / RANGE_BELOW, up=False), rounded(high * RANGE_ABOVE, up=True)
 
 
 def opening_range(*modes: Modes) -> tuple[float, float]:

@@ -59,9 +59,7 @@ def shared_response(
         return frequency_response(drivetrain, outputs, inputs, frequencies)
 
     question = (named(outputs), tuple(inputs), frequencies.tobytes())
-    return shared_by_conditions(
-        drivetrain, FrequencyResponse, question, solved, lambda response: response.values.nbytes
-    )
+    return shared_by_conditions(drivetrain, FrequencyResponse, question, solved, lambda known: known.values.nbytes)
 
 
 # Frequency responses of many variants of one model, over the same frequencies.

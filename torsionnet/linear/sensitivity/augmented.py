@@ -150,18 +150,14 @@ class _Slopes:
         for element in self.unknowns.definition.switched_on:
             if element.name in self.elements:
                 parts = element.tangent_parts(values, state.states[element.name])
-                coefficients += [
-                    coefficient for law in parts if isinstance(law, Law) for coefficient in (law.damping, law.stiffness)
-                ]
+                coefficients += [part for law in parts if isinstance(law, Law) for part in (law.damping, law.stiffness)]
         return np.array(coefficients, dtype=float)
 
     def _distance(self, other: BalancedState) -> float:
         """Largest difference of twists and rates of two states, over the largest of both."""
         first, second = _numbers(self.state.states), _numbers(other.states)
-        largest = max((max(abs(own), abs(others)) for own, others in zip(first, second, strict=True)), default=0.0)
-        return max((abs(own - others) for own, others in zip(first, second, strict=True)), default=0.0) / (
-            largest or 1.0
-        )
+        largest = max((max(abs(a), abs(b)) for a, b in zip(first, second, strict=True)), default=0.0)
+        return max((abs(a - b) for a, b in zip(first, second, strict=True)), default=0.0) / (largest or 1.0)
 
 
 def _numbers(states: Mapping[str, Sequence[Any]]) -> list[float]:

@@ -206,11 +206,7 @@ class DerivativeProblem:
 
         For a law it holds the share in its own torque too.
         """
-        own = {
-            output.gap: exact(float(output.slopes.laws[law, p]))
-            for output in self.readings
-            if law >= 0 and output.gap >= 0
-        }
+        own = {out.gap: exact(float(out.slopes.laws[law, p])) for out in self.readings if law >= 0 and out.gap >= 0}
         return self._row({self.nodes[i]: exact(float(slopes[i])) for i in np.flatnonzero(slopes).tolist()}, own)
 
     # --- the problem ------------------------------------------------------------------------------------------------
@@ -288,9 +284,8 @@ class DerivativeProblem:
                     if (number, p) in self.motion_slopes:
                         derivatives[:, number, load, p] += x[self.motion_slopes[number, p]]
                     for condition, gap in self.multipliers.items():
-                        derivatives[:, number, load, p] += (
-                            output.slopes.conditions[condition, p] * x[self.first_gap + gap]
-                        )
+                        slope = output.slopes.conditions[condition, p]
+                        derivatives[:, number, load, p] += slope * x[self.first_gap + gap]
             # Rates and accelerations are s and s^2 times angles.
             derivatives[:, number] *= (s**output.power)[:, None, None]
         return derivatives

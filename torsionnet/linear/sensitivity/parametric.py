@@ -121,9 +121,7 @@ class ParametricResponse:
         channels = {channel: name for name, channel in names}
         values = self.unknowns.values(numbers)
         # A section and a shaft referred to scale readings and are no part of the equations, which are in torques.
-        torques = [
-            replace(sensor, quantity="torque") if sensor.quantity == "stress" else sensor for sensor in self.sensors
-        ]
+        torques = [replace(at, quantity="torque") if at.quantity == "stress" else at for at in self.sensors]
         torques = [replace(sensor, referred_to=None) for sensor in torques]
         derivatives = DerivativeProblem(system, torques, elements, values, self.loads, channels, self._nodes)
         self._known[:] = [(key, derivatives)]

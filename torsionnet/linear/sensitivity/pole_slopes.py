@@ -78,12 +78,8 @@ class ResponsesAroundPoles:
         kept = elements_beyond_cut(drivetrain, request)
         if kept is None:
             # A reading referred to another shaft is scaled, which moves no pole.
-            return cls(
-                drivetrain,
-                chosen,
-                [replace(sensor, referred_to=None) for sensor in request.sensors],
-                request.excitations[:1],
-            )
+            sensors = [replace(sensor, referred_to=None) for sensor in request.sensors]
+            return cls(drivetrain, chosen, sensors, request.excitations[:1])
         chosen = replace(chosen, definition=cut_definition(chosen.definition, kept))
         return cls(drivetrain.with_definition(chosen.definition), chosen, (), ())
 

@@ -126,9 +126,8 @@ def passage_windows(
     amplitudes = np.array([2 * (weights @ (straight * np.exp(-1j * order * angle))) for order in orders])
     rate = np.gradient(turned, times)
     frequencies = orders[0] * np.asarray(weights @ rate)
-    return PassageWindows(
-        tuple(orders), times, angle, weights, amplitudes, frequencies, _whitening(weights), revolutions
-    )
+    noise = _whitening(weights)
+    return PassageWindows(tuple(orders), times, angle, weights, amplitudes, frequencies, noise, revolutions)
 
 
 def _hann(turned: FloatArray, middles: NDArray[np.floating[Any]], length: float) -> csr_matrix:

@@ -272,8 +272,7 @@ def _started(passage: _Passage, windows: PassageWindows, modes: int) -> FloatArr
         (2 * np.pi * f, zeta) for f in np.linspace(low, high, START_FREQUENCIES + 2)[1:-1] for zeta in START_DAMPING
     ]
     candidates = [
-        np.stack([response.reshape(-1) for response in passage.mode(complex(_poles(np.log(g))[0]))], axis=1)
-        for g in grid
+        np.stack([part.reshape(-1) for part in passage.mode(complex(_poles(np.log(g))[0]))], axis=1) for g in grid
     ]
     data = np.concatenate(passage.data)
     columns = passage.whitened(passage.columns(np.zeros(0, dtype=complex)))

@@ -212,9 +212,8 @@ def returns_to_speeds(
         if placed.law.curve.holds(speed.state):
             stuck.append(rows[placed])
         else:
-            _, slope, *others = (
-                float(placed.law.scale) * float(slope) for slope in placed.law.curve.slopes(speed.state)
-            )
+            scale, slopes = float(placed.law.scale), placed.law.curve.slopes(speed.state)
+            _, slope, *others = (scale * float(slope) for slope in slopes)
             damping += slope * np.outer(rows[placed], rows[placed])
             for sensed, share in zip(placed.law.sensed, others, strict=True):
                 damping += share * np.outer(rows[placed], free_row(network, sensed))

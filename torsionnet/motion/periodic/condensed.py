@@ -264,9 +264,8 @@ class CondensedPlant:
             over_q += (float(term.factor) * kappa)[:, None] * term.row
         for number, factor in reading.actions.items():
             action = self.assembly.system.actions[number]
-            over_q += (
-                float(factor) * action.kappa(receptances.s)[:, None] * self.assembly.over_coordinates(action.sensed)
-            )
+            kappa = float(factor) * action.kappa(receptances.s)
+            over_q += kappa[:, None] * self.assembly.over_coordinates(action.sensed)
         over_inputs = np.array([float(reading.direct(channel.row)) for channel in self.inputs], dtype=complex)
         return over_q, over_laws, over_inputs
 

@@ -109,11 +109,7 @@ class ContactMarch:
             y = q @ action.sensed
             for k, value in enumerate(y):
                 drive = action.G[:, 0] + s[k, 0] * action.G[:, 1]
-                x = (
-                    np.linalg.solve(s[k, 0] * np.eye(len(action.F)) - action.F, drive * value)
-                    if len(action.F)
-                    else drive
-                )
+                x = np.linalg.solve(s[k, 0] * np.eye(len(drive)) - action.F, drive * value) if len(drive) else drive
                 z[place : place + len(action.F)] += x.real
             place += len(action.F)
         z[at.w], z[at.one], z[at.u] = self.w, 1.0, self.means
@@ -130,9 +126,7 @@ class ContactMarch:
         """Contact state in which friction sticks where its torque is below what it holds."""
         places = list(contact)
         for number, law in enumerate(self.states.laws):
-            hold = next(
-                (place for place, piece in enumerate(law.phases) if piece.kind == "hold" and law.over_rate), None
-            )
+            hold = next((at for at, piece in enumerate(law.phases) if piece.kind == "hold" and law.over_rate), None)
             if hold is None:
                 continue
             torque = float(self._torque(motion, number)[0])

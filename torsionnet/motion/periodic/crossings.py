@@ -88,9 +88,9 @@ def second_frequencies(branch: MotionBranch) -> Iterator[tuple[int, PeriodicMoti
         return value(branch.tracer.motion(points[place]))
 
     looks = [
-        (place, found)
+        (place, passed)
         for place in range(0, len(points), max(APART, len(points) // MOST_LOOKS))
-        if (found := at(place)) is not None
+        if (passed := at(place)) is not None
     ]
     for (start, first), (end, second) in pairwise(looks):
         if first * second >= 0:

@@ -130,17 +130,13 @@ def over_speed(
     _require_fixed_values(drivetrain)
     relative = [line.relative for line in first.lines]
     # All orders are whole multiples of one: gcd of the numerators over lcm of the denominators.
-    base = Fraction(
-        math.gcd(*(order.numerator for order in relative)), math.lcm(*(order.denominator for order in relative))
-    )
+    base = Fraction(math.gcd(*(h.numerator for h in relative)), math.lcm(*(h.denominator for h in relative)))
     means = acting_means(drivetrain)
     mean_inputs = resolve_inputs(drivetrain, list(means), None).excitations if means else ()
     inputs = tuple(dict.fromkeys((*first.inputs, *mean_inputs)))
     harmonics = [int(order / base) for order in relative]
     if max(harmonics) > MOST_ORDERS:
-        text = (
-            f"orders {', '.join(f'{float(order):.8g}' for order in sorted(set(relative)))} have a period in common only"
-        )
+        text = f"orders {', '.join(f'{float(h):.8g}' for h in sorted(set(relative)))} have a period in common only"
         text += f" after {float(1 / base):.6g} turns of {request.reference}; periodic motion needs shorter ones: take"
         raise UsageError(f"{text} fewer excitations together, or simulate", kind="no-period")
 

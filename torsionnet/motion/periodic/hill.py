@@ -59,9 +59,7 @@ class HillDeterminant:
         apart = self.k[:, None] - self.k
         self.slopes = []
         for answer in balance.answers(motion.x):
-            own, rate = (
-                None if series is None else _toeplitz(series, apart) for series in (answer.slope, answer.rate_slope)
-            )
+            own, rate = (None if s is None else _toeplitz(s, apart) for s in (answer.slope, answer.rate_slope))
             self.slopes.append((own, rate))
 
     def log(self, shift: complex, *, whole: bool = True) -> complex:

@@ -293,9 +293,7 @@ def force_of(owner: str, law: MotionLaw, spring_before: Callable[[], float], siz
     slopes = [piece for piece in curve.pieces if isinstance(piece, Slope)]
     if not has_steps(curve):
         corners = [float(piece.upper) for piece in slopes[:-1]]
-        parts = (
-            [scale * float(getattr(piece, name)) for piece in slopes] for name in ("torque", "stiffness", "damping")
-        )
+        parts = ([scale * float(getattr(line, name)) for line in slopes] for name in ("torque", "stiffness", "damping"))
         torques, stiffnesses, dampings = map(np.array, parts)
         sides = np.array([float(piece.side) for piece in slopes])
         return PieceForce(np.array(corners), torques, stiffnesses, dampings, sides, curve.over == "rate", law)

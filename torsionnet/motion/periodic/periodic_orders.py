@@ -124,9 +124,8 @@ def periodic_orders(
         )  # fmt: skip
 
     response = found_at(at)
-    turned = np.array(
-        [turn.at for turn in (*response.turns(), *response.peaks) if between and at[0] < turn.at < at[-1]]
-    )
+    turns = (*response.turns(), *response.peaks)
+    turned = np.array([turn.at for turn in turns if between and at[0] < turn.at < at[-1]])
     if len(turned):
         at = np.unique(np.concatenate([at, turned]))
         response = found_at(at)

@@ -220,9 +220,8 @@ class ShortCircuitScenario(Scenario):
         before = (HistoryPiece(0.0),) if self.at > 0 else ()
         if self.phases is None:
             half = float(value(self.angle)) / 2
-            size = (
-                -rated * per_reactance * 2 * sin(half)
-            )  # sin(w t + delta) - sin(w t) = 2 sin(delta/2) cos(w t + delta/2)
+            # sin(w t + delta) - sin(w t) = 2 sin(delta/2) cos(w t + delta/2)
+            size = -rated * per_reactance * 2 * sin(half)
             waves: tuple[Wave, ...] = (
                 Wave(complex(size * cos(half)), 0j),
                 Wave(rect(-size, half), complex(-slow, omega)),
@@ -270,9 +269,8 @@ def machine_of(model: ScenarioSubject, name: str) -> FaultedMachine | Fault:
             f"{name} has no rotor on one node; name the element that is the rotor or the machine", kind="not-applicable"
         )
     if machine.kind not in ROTORS:
-        text = (
-            f"{name} is a {machine.kind.replace('_', ' ')}, no electric machine; name one, or the inertia of its rotor"
-        )
+        kind = machine.kind.replace("_", " ")
+        text = f"{name} is a {kind}, no electric machine; name one, or the inertia of its rotor"
         return Fault(text, kind="not-applicable")
     stator = next((part for key in ("stator", "housing") if (part := getattr(machine, key, None))), None)
     torque, frequency = _rating(machine, node, model)

@@ -121,12 +121,8 @@ class TimeHistory:
         starts = sorted({piece.start for history in (self, other) for piece in history.pieces})
         pieces = []
         for start in starts:
-            first, second = (history.piece_at(start).begun(start) for history in (self, other))
-            pieces.append(
-                HistoryPiece(
-                    start, first.value + second.value, first.slope + second.slope, (*first.waves, *second.waves)
-                )
-            )
+            a, b = (history.piece_at(start).begun(start) for history in (self, other))
+            pieces.append(HistoryPiece(start, a.value + b.value, a.slope + b.slope, (*a.waves, *b.waves)))
         return TimeHistory(tuple(pieces))
 
     @property
@@ -280,9 +276,8 @@ class HistoryEntry(Composite[Course]):
         try:
             return SteadyCourse(self.of.coerce(raw)), []
         except EntryError as error:
-            return None, [
-                replace(fault, message=f"{fault.message}; over time, as {self.example}") for fault in error.faults
-            ]
+            example = f"; over time, as {self.example}"
+            return None, [replace(fault, message=fault.message + example) for fault in error.faults]
 
     def _rows(self, raw: list[tuple[Any, Any]], *, keyed: bool) -> tuple[Course | None, list[Fault]]:
         if not raw:
@@ -341,10 +336,7 @@ class HistoryEntry(Composite[Course]):
 
     def expressions(self, value: Any) -> tuple[tuple[EntryPath, Expression, str], ...]:
         wanted = {"frequency": "frequency", "phase": "angle"}
-        return tuple(
-            ((name,) if name else (), expression, wanted.get(name, self.dimension))
-            for name, expression in value.parts()
-        )
+        return tuple(((name,) if name else (), part, wanted.get(name, self.dimension)) for name, part in value.parts())
 
     def plain(self, value: Any) -> Json:
         if isinstance(value, SteadyCourse):

@@ -301,9 +301,7 @@ def plain_data(value: Any) -> Any:
     """Conversion of a value to JSON data, dataclasses and mappings to dictionaries, arrays and tuples to lists."""
     if is_dataclass(value):
         return {
-            field_of.name: plain_data(getattr(value, field_of.name))
-            for field_of in fields(value)
-            if not field_of.metadata.get("in_words")
+            own.name: plain_data(getattr(value, own.name)) for own in fields(value) if not own.metadata.get("in_words")
         }
     if isinstance(value, Mapping):
         keys = (", ".join(map(str, key)) if isinstance(key, tuple) else str(key) for key in value)

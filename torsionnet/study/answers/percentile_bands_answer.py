@@ -48,10 +48,7 @@ class PercentileBands(StudyAnswer):
 
     def conclude(self, study: AskedStudy, result: VariantValues) -> PercentileBandsResult:
         shares = tuple(sorted(self.percentiles or DEFAULT_PERCENTILES))
-        lines = {
-            case_label(configuration): result.percentiles(self.quantity, shares, configuration)
-            for configuration in study.configurations
-        }
+        lines = {case_label(case): result.percentiles(self.quantity, shares, case) for case in study.configurations}
         return PercentileBandsResult(study.title, self.quantity, measure_of(study, self.quantity), shares, lines)
 
 

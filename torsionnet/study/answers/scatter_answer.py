@@ -154,14 +154,8 @@ class ScatterResult(PlainConclusion):
             Column("from", digits=4), Column("to", digits=4), Column("variants"),
         )  # fmt: skip
         rows = tuple(
-            (
-                case,
-                name,
-                parameter,
-                *(float(part[n]) for part in (ranked.coefficients, ranked.low, ranked.high)),
-                ranked.count,
-            )
-            for (case, name), ranked in self.correlations.items()
+            (case, name, parameter, float(r.coefficients[n]), float(r.low[n]), float(r.high[n]), r.count)
+            for (case, name), r in self.correlations.items()
             for n, parameter in enumerate(self.parameter_units)
         )
         return Table.of(self.title, "rank correlations", columns, rows, ("intervals 95 %", *self.sentences))

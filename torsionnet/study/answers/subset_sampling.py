@@ -205,9 +205,8 @@ def subset_sampling(
     if (empty := int((probabilities == 0).sum())) and not doubts:
         doubts.append(f"{empty} of {INDEPENDENT_RUNS} runs met no failure; take more variants")
     low, high = _interval(probabilities, confidence) if not empty else (np.nan, np.nan)
-    variation = (
-        float(probabilities.std(ddof=1) / np.sqrt(INDEPENDENT_RUNS) / probability) if probability else float("inf")
-    )
+    error = float(probabilities.std(ddof=1) / np.sqrt(INDEPENDENT_RUNS))
+    variation = error / probability if probability else float("inf")
     return RareEvent(probability, low, high, variation, levels.evaluations + used, tuple(doubts), "subset")
 
 

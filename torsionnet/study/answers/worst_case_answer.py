@@ -331,9 +331,7 @@ class WorstCase(StudyAnswer):
         del result
         variants = [self._of_case(case, sign) for case in answer_cases(study) for sign in SIGNS[self.direction]]
         unit, pairs = measure_of(study, self.quantity).unit, study.space.entries.correlation
-        correlated = tuple(
-            (str(first), str(second)) for first, second in (correlation.between for correlation in pairs)
-        )
+        correlated = tuple((str(first), str(second)) for first, second in (pair.between for pair in pairs))
         return WorstCaseResult(study.title, self.quantity, unit, units_of(study), tuple(variants), correlated)
 
     def _of_case(self, case: AnswerCase, sign: int) -> WorstVariant:

@@ -199,9 +199,7 @@ class YieldResult(PlainConclusion):
 
     def of(self, configuration: str, limit: str = ANY_LIMIT) -> Share:
         """Share of the variants beyond a limit, chosen by configuration and by the words of the limit in the table."""
-        return next(
-            share.share for share in self.shares if (share.configuration, share.limit) == (configuration, limit)
-        )
+        return next(row.share for row in self.shares if (row.configuration, row.limit) == (configuration, limit))
 
     @property
     def sentences(self) -> tuple[str, ...]:

@@ -101,9 +101,7 @@ class DamperOverConditions(DrawnConclusion):
     def sentences(self) -> tuple[str, ...]:
         """Result of the damper search in sentences, on levels before and after, bounds reached, cost of one for all."""
         before, after = self.worst_before, self.worst
-        bounds = [
-            f"{parameter.name} is at its {parameter.bound} bound" for parameter in self.parameters if parameter.bound
-        ]
+        bounds = [f"{sought.name} is at its {sought.bound} bound" for sought in self.parameters if sought.bound]
         if not after.condition:  # a model without configurations
             levels = f"{before.before.level:.5g} to {after.after.level:.5g} {self.channel.unit}"
             return f"the largest {self.channel.name} goes from {levels}", *bounds, *self.notes
@@ -138,10 +136,7 @@ class DamperOverConditions(DrawnConclusion):
             )
             for condition in self.conditions
         )
-        best = [
-            f"{parameter.name} = {parameter.value:.6g} {parameter.unit} (given: {parameter.start:.6g})"
-            for parameter in self.parameters
-        ]
+        best = [f"{p.name} = {p.value:.6g} {p.unit} (given: {p.start:.6g})" for p in self.parameters]
         return Table.of(self.title, "best damper for all conditions", columns, rows, (*best, *self.sentences))
 
     def to_data(self) -> dict[str, Json]:
@@ -218,9 +213,7 @@ def damper_over_conditions(
     )
     # One damper for all: the largest level over all conditions is made smallest.
     highest = (
-        max(float(levels_of_case.run.speeds[-1]) for levels_of_case in parts if isinstance(levels_of_case, OrderLevels))
-        if band is None
-        else band[1]
+        max(float(part.run.speeds[-1]) for part in parts if isinstance(part, OrderLevels)) if band is None else band[1]
     )
     best = kept("", lambda: smallest_maximum(WorstLevels(parts, highest), box, start))
     # The best damper of each condition alone shows what the one for all costs there.

@@ -260,9 +260,8 @@ def design_parameters(
 ) -> tuple[list[DesignParameter], list[Fault]]:
     """Design parameters of a model with bounds in SI, and all faults of their entries."""
     parameters, faults = [], []
-    for name, nominal in nominals(
-        model, [name_asked for name_asked in design if name_asked in model.parameters]
-    ).items():
+    known = [name for name in design if name in model.parameters]
+    for name, nominal in nominals(model, known).items():
         reader = NominalReader(nominal)
         ends = _ends(design[name], reader, model.parameter_definitions[name])
         # A parameter without a value of its own starts in the middle of its bounds.

@@ -167,8 +167,7 @@ class DesignOptimum(DrawnConclusion):
     def table(self) -> Table:
         """Table of the design parameters, then of the quantities, as given and at the optimum."""
         rows: list[tuple[object, ...]] = [
-            (parameter.name, parameter.unit, parameter.start, parameter.value, parameter.lower, parameter.upper, None)
-            for parameter in self.parameters
+            (p.name, p.unit, p.start, p.value, p.lower, p.upper, None) for p in self.parameters
         ]
         wanted = {target.quantity: target.value for target in self.goals.targets}
         for name, after in self.after.items():

@@ -94,10 +94,7 @@ class DesignProblem:
 
     @cached_property
     def box(self) -> Box:
-        return Box(
-            np.array([parameter.lower for parameter in self.parameters]),
-            np.array([parameter.upper for parameter in self.parameters]),
-        )
+        return Box(np.array([p.lower for p in self.parameters]), np.array([p.upper for p in self.parameters]))
 
     @cached_property
     def start(self) -> FloatArray:

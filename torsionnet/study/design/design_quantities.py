@@ -50,9 +50,7 @@ class ExactSlopes:
     @cached_property
     def _sizes(self) -> list[int]:
         """Number of points of each wanted quantity, 1 for a single number."""
-        forms = [
-            quantity.measured(self.evaluator.model, self.evaluator.quantities) for quantity in self._asked.values()
-        ]
+        forms = [asked.measured(self.evaluator.model, self.evaluator.quantities) for asked in self._asked.values()]
         return [len(form.points) for form in forms]
 
     def _derivatives(self, values: Mapping[str, float]) -> dict[str, FloatArray]:
@@ -163,10 +161,7 @@ class DesignQuantities:
         """Values (n, n_configurations * n_points) in SI of each quantity, by its name, for n designs."""
         count = len(next(iter(values.values())))
         cases = [evaluator(_completed(evaluator, values, count), self.wanted) for evaluator in self.evaluators]
-        return {
-            name: np.concatenate([of_case[name].reshape(count, -1) for of_case in cases], axis=1)
-            for name in self.wanted
-        }
+        return {name: np.concatenate([case[name].reshape(count, -1) for case in cases], axis=1) for name in self.wanted}
 
     def slopes(self, values: Mapping[str, float]) -> dict[str, FloatArray]:
         """Exact derivatives (n_configurations * n_points, n_p) in SI of each quantity, by its name."""

@@ -122,9 +122,7 @@ class ParetoFront(DrawnConclusion):
         """Pareto front as JSON data in SI and full precision."""
         return {
             "parameters": [parameter.name for parameter in self.parameters],
-            "objectives": [
-                {"quantities": list(objective.quantities), "sense": objective.sense} for objective in self.objectives
-            ],
+            "objectives": [{"quantities": list(goal.quantities), "sense": goal.sense} for goal in self.objectives],
             "designs": self.designs.tolist(),
             "values": self.values.tolist(),
             "given": self.given.tolist(),
@@ -215,9 +213,7 @@ def pareto_front(
     designs = problem.box.inside(places)
     middle = designs[nearest_to_best(sizes)]
     return ParetoFront(
-        tuple(
-            replace(parameter, value=float(value)) for parameter, value in zip(problem.parameters, middle, strict=True)
-        ),
+        tuple(replace(p, value=float(value)) for p, value in zip(problem.parameters, middle, strict=True)),
         problem.goals.objectives,
         designs,
         sizes * signs,

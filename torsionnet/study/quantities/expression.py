@@ -240,10 +240,8 @@ def _digest(of: Callable[..., Any]) -> str:
     if code is None:
         return ""
     values = [cell.cell_contents for cell in of.__closure__ or ()]
-    values += [
-        *(of.__defaults__ or ()),
-        *(default for pair in sorted((of.__kwdefaults__ or {}).items()) for default in pair),
-    ]
+    values += of.__defaults__ or ()
+    values += [default for pair in sorted((of.__kwdefaults__ or {}).items()) for default in pair]
     return hashlib.sha256(repr((_essence(code), [_shown(constant) for constant in values])).encode()).hexdigest()[:16]
 
 
@@ -257,9 +255,7 @@ def _shown(value: Any) -> str:
 
 def _essence(code: CodeType) -> tuple[Any, ...]:
     """Byte code, names and constants of a function, without file names and line numbers."""
-    constants = [
-        _essence(constant) if isinstance(constant, CodeType) else _in_order(constant) for constant in code.co_consts
-    ]
+    constants = [_essence(part) if isinstance(part, CodeType) else _in_order(part) for part in code.co_consts]
     return code.co_code, code.co_names, constants
 
 

@@ -43,9 +43,7 @@ def order_responses(
                 yield index, run
         return
     loads = question.loads(speeds)
-    channels = tuple(
-        reading.channel for reading in cached_request(block.model, output, list(loads.inputs), None).outputs
-    )
+    channels = tuple(read.channel for read in cached_request(block.model, output, list(loads.inputs), None).outputs)
     frequencies = loads.frequencies
     moving = frequencies[frequencies > 0]
     for which, part in block.parts(len(moving) * len(loads.inputs)):

@@ -37,12 +37,10 @@ class LimitFlags:
     missing: NDArray[np.int64]
 
     @classmethod
-    def of(cls, values_of_limits: Sequence[tuple[QuantityLimit, FloatArray]]) -> Self:
+    def of(cls, limited: Sequence[tuple[QuantityLimit, FloatArray]]) -> Self:
         """Flags by each limit and the values (n, n_points) in SI of its quantity."""
-        missing = [np.isnan(values).any(axis=1).sum() for _, values in values_of_limits]
-        return cls(
-            np.stack([limit.beyond(values) for limit, values in values_of_limits]), np.array(missing, dtype=np.int64)
-        )
+        missing = [np.isnan(values).any(axis=1).sum() for _, values in limited]
+        return cls(np.stack([limit.beyond(values) for limit, values in limited]), np.array(missing, dtype=np.int64))
 
     @classmethod
     def joined(cls, parts: Sequence[LimitFlags]) -> Self:

@@ -70,10 +70,7 @@ class ChunkValues:
         """
         chosen = kept_indices(start, start + len(block), every)
         values = {name: block.of(name) for name in block.quantities}
-        kept = {
-            name: column_of[chosen, 0] if column_of.shape[1] == 1 else extremes(column_of[chosen])
-            for name, column_of in values.items()
-        }
+        kept = {name: own[chosen, 0] if own.shape[1] == 1 else extremes(own[chosen]) for name, own in values.items()}
         if every > 1:
             kept |= {name: column[chosen] for name, column in block.values.items()}
         return cls(
@@ -87,12 +84,12 @@ class ChunkValues:
         )
 
 
-def _flags(values_of_limits: Sequence[tuple[QuantityLimit, FloatArray]]) -> LimitFlags | None:
-    if not values_of_limits:
+def _flags(limited: Sequence[tuple[QuantityLimit, FloatArray]]) -> LimitFlags | None:
+    if not limited:
         return None
     from torsionnet.study.reductions.limit_counts import LimitFlags
 
-    return LimitFlags.of(values_of_limits)
+    return LimitFlags.of(limited)
 
 
 @dataclass
@@ -301,23 +298,20 @@ def chunk_of_bytes(data: bytes, number: int) -> ChunkValues | None:
     if hashlib.sha256(whole).digest() != checksum:
         return None
     with np.load(io.BytesIO(whole), allow_pickle=False) as arrays:
-        arrays_read = {name: arrays[name] for name in arrays.files}
-    head = json.loads(arrays_read["head"].tobytes())
+        read = {name: arrays[name] for name in arrays.files}
+    head = json.loads(read["head"].tobytes())
     if head["chunk"] != number:
         return None
     places = dict(enumerate(head["quantities"]))
     keys = {name: (f"values_{place}", f"extremes_{place}") for place, name in places.items()}
-    kept = {name: arrays_read[key] for name, either in keys.items() for key in either if key in arrays_read}
-    beyond = np.unpackbits(arrays_read["beyond"], axis=1).astype(bool) if "beyond" in arrays_read else None
+    kept = {name: read[key] for name, either in keys.items() for key in either if key in read}
+    beyond = np.unpackbits(read["beyond"], axis=1).astype(bool) if "beyond" in read else None
     return ChunkValues(
-        kept | {name: arrays_read[f"parameter_{place}"] for place, name in enumerate(head["parameters"])},
-        {name: Moments(*(arrays_read[f"{part}_{place}"] for part in PARTS)) for place, name in places.items()},
-        {
-            name: Histogram(arrays_read[f"bins_{place}"], arrays_read[f"counts_{place}"])
-            for place, name in places.items()
-        },
+        kept | {name: read[f"parameter_{place}"] for place, name in enumerate(head["parameters"])},
+        {name: Moments(*(read[f"{part}_{place}"] for part in PARTS)) for place, name in places.items()},
+        {name: Histogram(read[f"bins_{place}"], read[f"counts_{place}"]) for place, name in places.items()},
         int(head["impossible"]),
         head["remarks"],
-        None if beyond is None else LimitFlags(beyond, arrays_read["missing"]),
-        arrays_read.get("read", np.array(NOTHING_READ)),
+        None if beyond is None else LimitFlags(beyond, read["missing"]),
+        read.get("read", np.array(NOTHING_READ)),
     )

@@ -100,12 +100,10 @@ def merge_chunks(
     cases = {name: joined.whole() for name, joined in parts.items()}
     summaries = {
         (name, quantity): Summary(
-            quantity_asked.measured(study.model_in(name), study.quantities),
-            whole.moments[quantity],
-            whole.histograms[quantity],
+            asked.measured(study.model_in(name), study.quantities), whole.moments[quantity], whole.histograms[quantity]
         )
         for name, whole in cases.items()
-        for quantity, quantity_asked in study.quantities.items()
+        for quantity, asked in study.quantities.items()
     }
     return StudyResult(
         study,
@@ -161,9 +159,8 @@ class Workload:
         case = study.configurations[0]
         evaluator = study.evaluator(case)
         singly = evaluator.plan is None or any(quantity.singly for quantity in study.quantities.values())
-        points = sum(
-            len(quantity.measured(evaluator.model, study.quantities).points) for quantity in study.quantities.values()
-        )
+        forms = (quantity.measured(evaluator.model, study.quantities) for quantity in study.quantities.values())
+        points = sum(len(form.points) for form in forms)
         size = (
             SINGLE_CHUNK_SIZE if singly else max(LEAST_CHUNK_SIZE, min(MOST_CHUNK_SIZE, CHUNK_POINTS // max(points, 1)))
         )

@@ -201,9 +201,7 @@ def bound_space(
     faults += [fault.under("correlation") for fault in wrong]
     if any(fault.severity == "error" for fault in faults):
         return None, faults
-    values = {
-        name: np.nan if nominal_value.value is None else nominal_value.value for name, nominal_value in known.items()
-    }
+    values = {name: np.nan if given.value is None else given.value for name, given in known.items()}
     return BoundSpace(values, JointDistribution(marginals, root), axes), faults
 
 

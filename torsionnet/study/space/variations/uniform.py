@@ -277,9 +277,9 @@ class ListOfValues(Variation):
         for index, value in enumerate(numbers):
             if value in numbers[:index]:
                 reader.fault(f"{value:g} stands twice in the list", "values", index, kind="repeated-name")
-        return (
-            None if reader.faults else GridAxis(len(numbers), ValueTable(np.array(numbers)), min(numbers), max(numbers))
-        )
+        if reader.faults:
+            return None
+        return GridAxis(len(numbers), ValueTable(np.array(numbers)), min(numbers), max(numbers))
 
 
 @dataclass(frozen=True, eq=False)
