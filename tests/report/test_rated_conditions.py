@@ -73,6 +73,18 @@ class TestDampingByTheWater:
         assert f"by Archer c = a Q/n: {damping / 1e3:.1f} at {speed:.1f} kN·m·s/rad." in note
 
 
+def test_damping_of_a_rubber_coupling_at_the_critical_speed():
+    """With eta of 1.13/2 pi the mode of order 8 has c = eta k/omega, omega where both masses swing on |k (1 + j eta)|."""
+    rubber = "{type: hysteretic_spring, nodes: [e, p], stiffness: 4 MN*m/rad, loss_factor: {psi: 1.13}}"
+    shaft = "{type: shaft, nodes: [e, p], outer_diameter: 300 mm, length: 6 m, inertia: none}"
+    text = TANKER.replace(shaft, rubber).replace("{value: 20000,", "{value: 1,")
+    (table,) = tables(text, "resonances", "Critical speeds in normal operation")
+    (note,) = [words(one) for one in table.notes if words(one).startswith("Damping of tail as viscous")]
+    eta = 1.13 / (2 * math.pi)
+    omega = abs((4e6 * (1 + 1j * eta) * (1 / 9000 + 1 / 6000)) ** 0.5)
+    assert f"c = η k/ω: {NumberText(eta * 4e6 / omega / 1e3, 3)} in mode 1 kN·m·s/rad." in note
+
+
 def test_cyclic_irregularity_of_a_generator():
     """With one order h of amplitude a in the angle the speed swings by h W a, so that it is 2 h a."""
     text = TANKER.replace(

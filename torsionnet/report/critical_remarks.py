@@ -41,6 +41,8 @@ PROPELLER_LAWS = (
     ("torque_slope", "as the slope of the open-water torque"),
 )
 """Laws of damping by the water that follow torque and speed, by the entry of a propeller that selects one."""
+LEAST_LOSS = 0.05
+"""Loss factor from which on a spring counts as a coupling, as of rubber; shafts of steel have less."""
 NO_PEAK = "Without a speed of its peak the order has no maximum of its own; values are those at the critical speed."
 
 
@@ -50,6 +52,7 @@ def notes_on_criticals(subject: ReportData, peaks: ConditionPeaks, shown: Sequen
     if any(not one.is_peak for one in shown):
         yield (NO_PEAK,)
     yield from ((note,) for note in propeller_dampings(subject.normal_case, shown))
+    yield from ((note,) for note in coupling_dampings(subject.normal_case, shown))
     yield from ((note,) for note in (*cancelling_sources(shown), *cancelling_cylinders(subject, shown)))
     rest = [one for one in peaks.criticals if one.point is not None and one not in shown]
     if rest:
@@ -116,6 +119,43 @@ def propeller_dampings(case: Case, records: Sequence[CriticalRecord]) -> Iterato
             "Absolute damping of {name} at the critical speeds [rpm], {law}: {values} {unit}.",
             name=as_words(name),
             law=phrase(laws[name]),
+            values=joined(", ", each),
+            unit=unit(prefix + "N*m*s/rad"),
+        )
+
+
+def coupling_dampings(case: Case, records: Sequence[CriticalRecord]) -> Iterator[str]:
+    """Yield a sentence for each spring with a loss factor as of rubber: viscous damping that loses as much, by mode."""
+    speeds = case.drivetrain.definition.speeds
+    met = [one.critical for one in records if math.isfinite(one.critical.natural_speed)]
+    if speeds is None or not met:
+        return
+    found: dict[str, dict[int, dict[float, float]]] = {}
+    at = np.array([one.natural_speed for one in met])
+    for rig, places in drivetrains_at_speeds(case.drivetrain, speeds.of, at):
+        for owner, law in zip(rig.assembly.owners, rig.assembly.laws, strict=True):
+            for one in (met[place] for place in places.tolist()):
+                omega = 2 * math.pi * one.mode.natural_frequency
+                stiffness = complex(law.stiffness) * (1 + 1j * float(law.loss_factor))
+                if law.table is not None:
+                    stiffness += complex(law.table.kappa(np.array([omega]))[0])
+                # k (1 + j eta) = k + j omega c: the same loss in each cycle at this frequency.
+                if stiffness.imag >= LEAST_LOSS * stiffness.real > 0:
+                    found.setdefault(owner, {}).setdefault(one.mode.number, {})[one.natural_speed] = (
+                        stiffness.imag / omega
+                    )
+    for name, by_mode in found.items():
+        prefix, factor = prefix_of("N*m*s/rad", max(size for those in by_mode.values() for size in those.values()))
+        each = []
+        for mode, sizes in by_mode.items():
+            texts = {speed: str(NumberText(size / factor, DIGITS)) for speed, size in sizes.items()}
+            if len(set(texts.values())) == 1:
+                each.append(phrase("{size} in mode {mode}", size=next(iter(texts.values())), mode=mode))
+            else:
+                each += [phrase("{size} at {speed:.1f}", size=size, speed=speed * RPM) for speed, size in texts.items()]
+        yield phrase(
+            "Damping of {name} as viscous at the critical speeds [rpm], c = η k/ω: {values} {unit}.",
+            name=as_words(name),
             values=joined(", ", each),
             unit=unit(prefix + "N*m*s/rad"),
         )
