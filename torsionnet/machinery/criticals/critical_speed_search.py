@@ -114,7 +114,9 @@ def critical_speeds(
             OrderLine(LINE_FREQUENCY, 0.0, Fraction(1), times * line_frequency) for times in (1, 2)
         ]
     every_line = [line for group in examined.values() for line in group]
-    search = CrossingSearch(held, title, reference, speed_range, every_line, rule, reach, lowest)
+    # Modes are followed up to the highest of all lines, so that other lines and conditions find them known.
+    beside = [line for group in every.values() for line in group]
+    search = CrossingSearch(held, title, reference, speed_range, every_line, rule, reach, lowest, beside)
     search.known = {name: search.known_speeds(name, ratio) for name, ratio in acting.items()}
     crossings = [one for name, group in examined.items() for one in search.crossings(name, group)]
     crossings.sort(key=lambda one: (one.mode.number, one.excitation, one.order, one.fixed, one.first_speed))
@@ -205,18 +207,18 @@ class CrossingSearch:
         rule: MarginRule | None,
         reach: float,
         lowest: int | None,
+        beside: Sequence[OrderLine] = (),
     ) -> None:
         self.drivetrain, self.title, self.speed_range = drivetrain, title, speed_range
         self.rule, self.reach, self.reference = rule, reach, reference
         self.limits = (speed_range[0] * (1 - reach), speed_range[1] * (1 + reach))
         self.known: dict[str, tuple[float, float]] = {}
-        self._lines: dict[OrderLine, LineOverModes] = {}
         found = vibration_modes(drivetrain, modes(drivetrain))
         self.modes = tuple(sorted(found, key=lambda mode: mode.number))[:lowest]
         required = [one for line in lines if rule and (one := rule.required(line.order))]
         self.widest = max([reach, *required])
-        highest = max((excited_frequencies(line, self.limits)[1] for line in lines), default=0.0)
-        self.over_speed = ModesOverSpeed(
+        highest = max((excited_frequencies(line, self.limits)[1] for line in (*lines, *beside)), default=0.0)
+        self.over_speed = ModesOverSpeed.shared(
             drivetrain, reference, speed_range, [mode.number for mode in found],
             reach=self.widest, highest=FOLLOWED_ABOVE * highest,
         )  # fmt: skip
@@ -237,7 +239,7 @@ class CrossingSearch:
 
     def nearest(self, mode: VibrationMode, line: OrderLine) -> CriticalSpeed:
         """Place in the operating range where a line is nearest to a mode, with the margin between the two."""
-        beside = self._beside(line)
+        beside = LineOverModes.of(line, self.over_speed)
         points = [beside.nearest(mode.number, curve) for curve in (NATURAL, UNDAMPED)]
         # Rules are kept by both frequencies, with damping and without: the nearer one counts.
         there = [(0.0 if one.meets else abs(one.offset), one.speed) for one in points if one is not None]
@@ -276,7 +278,7 @@ class CrossingSearch:
 
         It counts where the margin is less than required, or than the reach from a frequency without a speed.
         """
-        beside = self._beside(line)
+        beside = LineOverModes.of(line, self.over_speed)
         every = [beside.meetings(mode.number, curve) for curve in (UNDAMPED, NATURAL, DAMPED)]
         if self.rule is None and line.order and not any(every):
             return  # nothing that counts by its margin alone
@@ -301,12 +303,6 @@ class CrossingSearch:
                 )
         if not count and (is_close or (not line.order and nearest.margin < self.reach)):
             yield replace(nearest, mode=self._mode_at(mode, nearest.nearest_speed))
-
-    def _beside(self, line: OrderLine) -> LineOverModes:
-        """Line beside the modes over speed, worked out once."""
-        if line not in self._lines:
-            self._lines[line] = LineOverModes(line, self.over_speed.pieces, self.speed_range)
-        return self._lines[line]
 
     def _mode_at(self, mode: VibrationMode, speed: float) -> VibrationMode:
         """The mode of the same number at a speed in rad/s."""

@@ -68,6 +68,14 @@ class LineOverModes:
         self.pieces, self.speed_range = pieces, speed_range
         self.rate, self.fixed = float(line.relative) / (2 * math.pi), line.fixed
         self._courses: dict[tuple[int, int], list[Meeting]] = {}
+        self._stretches: dict[tuple[int, int], list[_Stretch]] = {}
+
+    @classmethod
+    def of(cls, line: OrderLine, over_speed: ModesOverSpeed) -> LineOverModes:
+        """Line beside modes over speed, worked out once."""
+        return over_speed.memo.once(
+            cls, (line.relative, line.fixed), lambda: cls(line, over_speed.pieces, over_speed.speed_range)
+        )
 
     def meetings(self, number: int, curve: int) -> tuple[Meeting, ...]:
         """Speeds at which the line meets a curve of the mode of this number, rising; of a constant mode all above 0."""
@@ -110,11 +118,14 @@ class LineOverModes:
         return min(reversed(inside), key=lambda point: 0.0 if point.meets else abs(point.offset), default=None)
 
     def _own(self, number: int, curve: int) -> list[_Stretch]:
-        return [
-            stretch
-            for place, piece in enumerate(self.pieces)
-            if number in piece.numbers and (stretch := _Stretch(self, place, piece.numbers.index(number), curve)).exists
-        ]
+        if (number, curve) not in self._stretches:
+            self._stretches[number, curve] = [
+                stretch
+                for place, piece in enumerate(self.pieces)
+                if number in piece.numbers
+                and (stretch := _Stretch(self, place, piece.numbers.index(number), curve)).exists
+            ]
+        return self._stretches[number, curve]
 
     def _course(self, number: int, curve: int) -> list[Meeting]:
         """Points between which the ratio of mode to line only rises or only falls, and meetings, by rising speed."""
@@ -350,9 +361,9 @@ def around_resonances(
     limits = float(speeds[0]), float(speeds[-1])
     # Modes well above the highest line meet none, and their curves need not be resolved.
     highest = FOLLOWED_ABOVE * max((float(np.abs(line.frequency(np.array(limits))).max()) for line in lines), default=0)
-    over_speed = ModesOverSpeed(drivetrain, reference, limits, highest=highest)
+    over_speed = ModesOverSpeed.shared(drivetrain, reference, limits, highest=highest)
     if over_speed.is_speed_dependent:
-        return _around(_following(over_speed, _distinct(lines), limits), speeds)
+        return _around(_following(over_speed, _distinct(lines)), speeds)
     with told_of_reads(None):
         poles = modes(drivetrain).eigenvalues
     return around_poles(poles, lines, speeds)
@@ -397,16 +408,14 @@ def _met(line: OrderLine, damped: float, width: float, natural: float) -> Iterat
         yield (frequency - line.fixed) / rate, max(abs(width), SMALLEST_DAMPING_RATIO * natural) / abs(rate)
 
 
-def _following(
-    over_speed: ModesOverSpeed, lines: Sequence[OrderLine], limits: tuple[float, float]
-) -> Iterator[Resonance]:
+def _following(over_speed: ModesOverSpeed, lines: Sequence[OrderLine]) -> Iterator[Resonance]:
     """Yield resonances of order lines with modes that follow the speed, as speed and half width in rad/s.
 
     A line that comes near a mode and turns away has a resonance where it is nearest.
     """
     numbers = sorted({number for piece in over_speed.pieces for number in piece.numbers})
     for line in lines:
-        beside = LineOverModes(line, over_speed.pieces, limits)
+        beside = LineOverModes.of(line, over_speed)
         for number in numbers:
             for one in beside.approaches(number, DAMPED):
                 if one.meets or abs(one.offset) < NEAR_RESONANCE:

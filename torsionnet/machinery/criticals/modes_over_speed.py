@@ -19,18 +19,22 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from torsionnet.base.errors import ModelError, UsageError
+from torsionnet.base.registers import Memo, RecentResults
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.table_range import told_of_reads
 from torsionnet.linear.batch.mode_steps import SAME_MODE_ENERGY
 from torsionnet.linear.frequency_response import ComplexArray, FloatArray
 from torsionnet.linear.modes.mode_pairs import REPEATED_FREQUENCY, VibrationMode, vibration_modes
 from torsionnet.linear.modes.natural_modes import modes
-from torsionnet.linear.responses.shared_response import shared_by_conditions
+from torsionnet.linear.responses.shared_response import mechanics_key
 from torsionnet.machinery.orders.operating_groups import drivetrains_at_speeds, own_ratio, values_at_speeds
 from torsionnet.model.operating_values import OperatingPoints
 
-MODE_BYTES = 100
-"""Size in bytes of a mode per node, with shape and texts, as counted against the memory for kept results."""
+MODE_BYTES, USUAL_SETS = 100, 50
+"""Size in bytes of a mode per node, with shape and texts, and usual number of speeds at which modes are known, as
+counted against the memory for kept results."""
+COMPARED_SPEEDS = 5
+"""Number of speeds at which values that follow the speed are compared before conditions share their modes."""
 CURVE_POINTS = (5, 9, 17)
 """Numbers of Chebyshev points on a piece of a curve, tried one after the other before it is halved; each set has the
 points of the one before."""
@@ -123,7 +127,33 @@ class ModesOverSpeed:
         self.numbers = numbers
         self.limits = speed_range[0] * (1 - reach), speed_range[1] * (1 + reach)
         self.highest = highest
-        self._sets: dict[float, tuple[VibrationMode, ...]] = {}
+        self.memo = Memo()
+        self._sets: dict[Hashable, tuple[VibrationMode, ...]] = {}
+
+    @classmethod
+    def shared(
+        cls,
+        drivetrain: AssembledModel,
+        reference: str,
+        speed_range: tuple[float, float],
+        numbers: Sequence[int] = (),
+        *,
+        reach: float = 0.0,
+        highest: float = math.inf,
+    ) -> ModesOverSpeed:
+        """Modes over speed that are followed once for all conditions that differ in excitations alone."""
+        values: list[tuple[tuple[str, float], ...]] = []
+        if drivetrain.definition.follows_speed:
+            compared = np.linspace(*speed_range, COMPARED_SPEEDS)
+            values = [tuple(one.items()) for one in values_at_speeds(drivetrain, reference, compared)]
+        question = reference, speed_range, tuple(numbers), reach, highest, tuple(values)
+        recent = drivetrain.assembly.system.memo.once(RecentResults, cls, RecentResults)
+        return recent.once(
+            cls,
+            (mechanics_key(drivetrain), question),
+            lambda: cls(drivetrain, reference, speed_range, numbers, reach=reach, highest=highest),
+            lambda _: USUAL_SETS * MODE_BYTES * len(drivetrain.nodes) ** 2,
+        )
 
     @cached_property
     def is_speed_dependent(self) -> bool:
@@ -152,6 +182,9 @@ class ModesOverSpeed:
 
     def at(self, speed: float) -> tuple[VibrationMode, ...]:
         """Vibration modes at a known speed of the reference node in rad/s, numbered, by rising undamped frequency."""
+        return self.memo.once(tuple, speed, lambda: self._numbered(speed))
+
+    def _numbered(self, speed: float) -> tuple[VibrationMode, ...]:
         every = self._modes_at(speed)
         if not self.is_speed_dependent:
             numbers: Sequence[int] = self._first_numbers(len(every))
@@ -165,20 +198,16 @@ class ModesOverSpeed:
         """Vibration modes at a speed in rad/s, by rising undamped frequency, before they are numbered."""
         if speed in self._sets:
             return self._sets[speed]
-
-        def solved() -> tuple[VibrationMode, ...]:
-            ((rig, _),) = drivetrains_at_speeds(self.drivetrain, self.reference, np.array([speed]))
-            with told_of_reads(None):
-                return tuple(vibration_modes(rig, modes(rig)))
-
-        (values,) = (
-            values_at_speeds(self.drivetrain, self.reference, np.array([speed])) if self.is_speed_dependent else ({},)
-        )
+        at = np.array([speed])
+        (values,) = values_at_speeds(self.drivetrain, self.reference, at) if self.is_speed_dependent else ({},)
         # Speeds with equal values of all parameters have the same modes; tangents of laws also follow the speed
         # itself.
         question = (*values.items(), speed if self._has_tangents else None)
-        size = MODE_BYTES * len(self.drivetrain.nodes) ** 2
-        self._sets[speed] = shared_by_conditions(self.drivetrain, tuple, question, solved, lambda _: size)
+        if question not in self._sets:
+            ((rig, _),) = drivetrains_at_speeds(self.drivetrain, self.reference, at)
+            with told_of_reads(None):
+                self._sets[question] = tuple(vibration_modes(rig, modes(rig)))
+        self._sets[speed] = self._sets[question]
         return self._sets[speed]
 
     @property
