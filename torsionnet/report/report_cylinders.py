@@ -437,15 +437,15 @@ def _states(engine: ReciprocatingEngine) -> list[tuple[str, str]]:
     states = []
     if engine.misfire:
         each = engine.misfire == EACH
-        cylinders = "each in turn, the worst counts" if each else ", ".join(map(str, engine.misfire))
-        states.append((cylinders, without))
+        cylinders = phrase("each in turn, the worst counts") if each else ", ".join(map(str, engine.misfire))
+        states.append((cylinders, phrase(without)))
     if engine.gas_off:
-        states.append((", ".join(map(str, engine.gas_off)), "none (factor 0), the mass moves on"))
+        states.append((", ".join(map(str, engine.gas_off)), phrase("none (factor 0), the mass moves on")))
     states += [
         (number, phrase("factor {factor:.4g}", factor=factor))
         for number, factor in (engine.factors or {}).items()
         if factor != 1
     ]
     if engine.spread:
-        states.append(("all", phrase("factor 1 ± {spread:.3g}, the worst combination", spread=engine.spread)))
+        states.append((phrase("all"), phrase("factor 1 ± {spread:.3g}, the worst combination", spread=engine.spread)))
     return states

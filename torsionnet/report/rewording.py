@@ -37,7 +37,6 @@ TEXT_FIELDS: dict[type, tuple[str, ...]] = {
     Paragraph: ("text",),
     Remark: ("text",),
     Listing: ("items",),
-    Picture: ("caption",),
     TableGroup: ("title",),
     Heading: ("text", "unit"),
     Strong: ("text",),
@@ -56,6 +55,7 @@ REWORDED_COLUMNS = {
     "Kind",
     "Leading term",
     "Limit",
+    "Limit in passing",
     "Of",
     "Property",
     "Quantity",
@@ -92,6 +92,12 @@ class Rewording:
                 return self.title_table(part)
             case TableBlock():
                 return self.table(part)
+            case Picture():
+                caption = self.reworded(part.caption)
+                alt = self.wording(part.alt)
+                if alt == part.alt and caption != part.caption:
+                    alt = "".join(one.latex if isinstance(one, Math) else str(one) for one in caption)
+                return replace(part, caption=caption, alt=alt)
             case Heading(text) if text in self.wording.names:
                 return part
         return replace(part, **{name: self.reworded(getattr(part, name)) for name in TEXT_FIELDS.get(type(part), ())})

@@ -128,7 +128,11 @@ class ModesOverSpeed:
         self.limits = speed_range[0] * (1 - reach), speed_range[1] * (1 + reach)
         self.highest = highest
         self.memo = Memo()
-        self._sets: dict[Hashable, tuple[VibrationMode, ...]] = {}
+        self._sets: dict[float, tuple[VibrationMode, ...]] = {}
+        # Sets of modes by the values that they depend on, the same for all conditions and ranges of speeds.
+        self._solved: dict[Hashable, tuple[VibrationMode, ...]] = _recent(drivetrain).once(
+            dict, mechanics_key(drivetrain), dict, lambda _: _usual_size(drivetrain)
+        )
 
     @classmethod
     def shared(
@@ -147,12 +151,11 @@ class ModesOverSpeed:
             compared = np.linspace(*speed_range, COMPARED_SPEEDS)
             values = [tuple(one.items()) for one in values_at_speeds(drivetrain, reference, compared)]
         question = reference, speed_range, tuple(numbers), reach, highest, tuple(values)
-        recent = drivetrain.assembly.system.memo.once(RecentResults, cls, RecentResults)
-        return recent.once(
+        return _recent(drivetrain).once(
             cls,
             (mechanics_key(drivetrain), question),
             lambda: cls(drivetrain, reference, speed_range, numbers, reach=reach, highest=highest),
-            lambda _: USUAL_SETS * MODE_BYTES * len(drivetrain.nodes) ** 2,
+            lambda _: _usual_size(drivetrain),
         )
 
     @cached_property
@@ -203,11 +206,11 @@ class ModesOverSpeed:
         # Speeds with equal values of all parameters have the same modes; tangents of laws also follow the speed
         # itself.
         question = (*values.items(), speed if self._has_tangents else None)
-        if question not in self._sets:
+        if question not in self._solved:
             ((rig, _),) = drivetrains_at_speeds(self.drivetrain, self.reference, at)
             with told_of_reads(None):
-                self._sets[question] = tuple(vibration_modes(rig, modes(rig)))
-        self._sets[speed] = self._sets[question]
+                self._solved[question] = tuple(vibration_modes(rig, modes(rig)))
+        self._sets[speed] = self._solved[question]
         return self._sets[speed]
 
     @property
@@ -487,6 +490,15 @@ class ModesOverSpeed:
         by_place = {int(place): number for place, number in zip(step, numbers, strict=True) if place >= 0}
         free = iter(range(max([*numbers, *self.numbers], default=0) + 1, 10**6))
         return tuple(by_place[place] if place in by_place else next(free) for place in range(len(after)))
+
+
+def _recent(drivetrain: AssembledModel) -> RecentResults:
+    """Modes over speed of a drivetrain in all its conditions, apart from other results, which are many more."""
+    return drivetrain.assembly.system.memo.once(RecentResults, ModesOverSpeed, RecentResults)
+
+
+def _usual_size(drivetrain: AssembledModel) -> int:
+    return USUAL_SETS * MODE_BYTES * len(drivetrain.nodes) ** 2
 
 
 @dataclass(frozen=True, eq=False)

@@ -168,15 +168,16 @@ def _mode(drivetrain: AssembledModel, mode: int, start: str) -> tuple[float, Flo
     rates, shapes = undamped_modes(assembly.system)
     at, pair = undamped_place(drivetrain, mode)
     place = np.flatnonzero(rates)[at]
-    notes = () if not pair.is_shifted else (f"with damping its natural frequency is {pair.natural_frequency:.5g} Hz",)
+    shifted = "with damping its natural frequency is {frequency:.5g} Hz"
+    notes = (phrase(shifted, frequency=pair.natural_frequency),) if pair.is_shifted else ()
     angles = np.asarray(assembly.node_rows.dense @ shapes[:, place])
     # Scaled to 1 where it moves most, so that the amplitude of the first station is judged against that.
     angles /= np.abs(angles).max()
     at_start = angles[assembly.node_index[start]]
     if abs(at_start) > LEAST_AMPLITUDE:
         return float(rates[place]), angles / at_start, notes
-    note = f"{start} stands still in this mode: the amplitude is that of the station that moves most"
-    return float(rates[place]), angles, (note, *notes)
+    still = "{node} stands still in this mode: the amplitude is that of the station that moves most"
+    return float(rates[place]), angles, (phrase(still, node=start), *notes)
 
 
 @dataclass

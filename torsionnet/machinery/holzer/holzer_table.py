@@ -11,6 +11,7 @@ from typing import Annotated, ClassVar
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import Schema
 from torsionnet.base.packages import SavedResult
+from torsionnet.base.phrases import phrase
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table
 
@@ -112,7 +113,8 @@ class HolzerBranch:
     def title(self) -> str:
         """Heading of a branch of a Holzer table, such as 'pump to gearbox, which it joins'."""
         first, last = self.stations[0].node, self.joins or self.stations[-1].node
-        return f"{first} to {last}, which it joins" if self.joins else f"{first} to {last}"
+        ends = phrase("{first} to {last}", first=first, last=last)
+        return phrase("{line}, which it joins", line=ends) if self.joins else ends
 
 
 @dataclass(frozen=True, eq=False, repr=False)

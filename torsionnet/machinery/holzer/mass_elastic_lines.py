@@ -10,6 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from torsionnet.base.errors import UsageError, did_you_mean
+from torsionnet.base.phrases import phrase
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.machinery.holzer.holzer_balance import (
     Coefficients,
@@ -285,7 +286,8 @@ class _Walk:
             strength = getattr(limit, "tensile_strength", None) or getattr(limit, "ultimate_strength", None)
             if getattr(limit, "element", None) in names and strength:
                 kind = getattr(limit, "material", "").replace("_", "-")
-                return f"{kind} steel {strength / 1e6:g} N/mm²".strip() if kind else f"{strength / 1e6:g} N/mm²"
+                size = f"{strength / 1e6:g} N/mm²"
+                return phrase("{steel} {strength}", steel=phrase(f"{kind} steel"), strength=size) if kind else size
         return ""
 
     def left_over(self, lines: Sequence[MassElasticLine]) -> Iterator[str]:

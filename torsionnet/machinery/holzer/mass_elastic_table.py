@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from torsionnet.base.packages import SavedResult
-from torsionnet.base.phrases import phrase
+from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.table import Column, Table
 
 SAME_SPEED_SHARE = 1e-9
@@ -228,8 +228,9 @@ class MassElasticTable(SavedResult):
         """Yield the sentence that says into how many segments the model divides which shafts, if it does."""
         shafts = [row.shaft for row in self.rows if row.shaft is not None and row.shaft.segments > 1]
         if shafts:
-            each = ", ".join(f"{one.elements[0]} divided into {one.segments}" for one in shafts)
-            yield f"whole shafts, each end with half of its inertia; in the calculation {each}"
+            template = "{shaft} divided into {count}"
+            each = joined(", ", (phrase(template, shaft=one.elements[0], count=one.segments) for one in shafts))
+            yield phrase("whole shafts, each end with half of its inertia; in the calculation {shafts}", shafts=each)
 
 
 def _cells(row: MassElasticRow) -> tuple[object, ...]:

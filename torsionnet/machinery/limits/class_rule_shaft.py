@@ -12,6 +12,7 @@ import numpy as np
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import OneOf, entry, not_none
 from torsionnet.base.errors import Fault
+from torsionnet.base.phrases import phrase
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
 from torsionnet.machinery.limits.limit import NOT_EXAMINED, PASSING_TIME, TOLERANCE, LimitLine, register_rule
@@ -140,6 +141,12 @@ class ClassRuleShaft(ShaftLimit):
 
 SHAFTS = ("generator", "crankshaft_in_line", "crankshaft_other")
 """Kinds of shafts of a generating set for which societies permit different stresses."""
+FORMULA = (
+    "{shaft}: {continuous} = {steady:g} f_m N/mm^2 up to {ratio} = {highest:g}, exceeded below {lowest:g} alone and in "
+    "passing; {passing} = {quick:g} f_m N/mm^2 up to {ratio} = {lowest:g}; f_m = 1 + 2/3 (T_s/{strength:g} - 1), at "
+    "least 1: {by_strength:.4g}; in passing Y/{limit:g}, at least 1: {by_yield:.4g}"
+)
+"""Formula of the limits of generating sets as reports print it."""
 NOT_COVERED = (
     "speeds above the highest ratio; short circuit and faulty synchronisation; bending; crankshafts whose strength was "
     "calculated throw by throw; the avoidance of major criticals near rated speed"
@@ -245,13 +252,15 @@ class GeneratingSetShaft(ClassRuleShaft):
         numbers, society = self.numbers, SOCIETIES[self.rules]
         own = numbers.continuous[self.shaft] / 1e6, numbers.passing[self.shaft] / 1e6
         factors = self.material_factors
-        formula = (
-            f"{self.shaft.replace('_', ' ')}: tau_C = {own[0]:g} f_m N/mm^2 up to lambda = {numbers.highest:g}, "
-            f"exceeded below {numbers.lowest:g} alone and in passing; tau_T = {own[1]:g} f_m N/mm^2 up to lambda = "
-            f"{numbers.lowest:g}; f_m = 1 + 2/3 (T_s/{numbers.tensile_strength / 1e6:g} - 1), at least 1: "
-            f"{factors[0]:.4g}; in passing Y/{numbers.yield_strength / 1e6:g}, at least 1: {factors[1]:.4g}"
-        )
-        return RuleText(numbers.source, society.in_words(formula), NOT_COVERED)
+        # Names of stresses and of the speed ratio are the society's.
+        continuous, passing, ratio = map(society.in_words, ("tau_C", "tau_T", "lambda"))
+        formula = phrase(
+            FORMULA, shaft=phrase(self.shaft.replace("_", " ")), continuous=continuous, passing=passing, ratio=ratio,
+            steady=own[0], quick=own[1], highest=numbers.highest, lowest=numbers.lowest,
+            strength=numbers.tensile_strength / 1e6, by_strength=factors[0],
+            limit=numbers.yield_strength / 1e6, by_yield=factors[1],
+        )  # fmt: skip
+        return RuleText(numbers.source, formula, NOT_COVERED)
 
     def lines(self, evidence: Evidence) -> Iterator[LimitLine]:
         society, numbers = SOCIETIES[self.rules], self.numbers

@@ -252,15 +252,18 @@ def m68_factors(limit: M68Shaft, section: RoundSection) -> tuple[RuleFactor, ...
 
 def _strength(limit: M68Shaft) -> str:
     """Text on the steel and on its tensile strength, if the rule counts less than is specified."""
-    steel = f"{limit.material.replace('_', '-')} steel, specified minimum"
+    steel = phrase("{steel}, specified minimum", steel=phrase(f"{limit.material.replace('_', '-')} steel"))
     if limit.strength == limit.tensile_strength:
         return steel
-    return f"{steel} {limit.tensile_strength / 1e6:g} N/mm^2, of which the rule counts this"
+    given = limit.tensile_strength / 1e6
+    return phrase("{steel} {given:g} N/mm^2, of which the rule counts this", steel=steel, given=given)
 
 
 def _feature(limit: M68Shaft) -> str:
     """Text on the design feature that C_K is for, and on how it was found where the table does not give it."""
-    words = f"{limit.shaft} shaft: {FEATURE_WORDS[limit.feature]}"
+    shaft = phrase(f"{limit.shaft} shaft")
+    words = phrase("{shaft}: {feature}", shaft=shaft, feature=phrase(FEATURE_WORDS[limit.feature]))
     if limit.stress_concentration is None:
         return words
-    return f"{words}, {SCF_OF_UNIT:g}/scf with scf = {limit.stress_concentration:g}"
+    template = "{words}, {unit:g}/scf with scf = {factor:g}"
+    return phrase(template, words=words, unit=SCF_OF_UNIT, factor=limit.stress_concentration)

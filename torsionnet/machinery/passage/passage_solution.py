@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from torsionnet.base.errors import UsageError
+from torsionnet.base.phrases import phrase
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.linear.assembly.table_range import range_notes
@@ -64,6 +65,11 @@ MOST_SPEED_POINTS = 2000
 FEWEST_WINDOWS = 20
 """Least number of windows in a passage if these are as long as a common cycle of several shafts or a period of a slip
 near synchronism: in longer ones the speed changes too much."""
+VISCOUS = (
+    "hysteretic and tabulated stiffness: springs and dampers equal to it at {frequency:.4g} Hz, where steady vibration "
+    "of {output} is largest"
+)
+"""Note on laws over frequency, which have no equation in time."""
 STEADY_SPEEDS = 61
 """Number of speeds of the steady response that shows the worst case and the resonance of laws over frequency."""
 
@@ -136,17 +142,16 @@ def passage_from(
     acting = excitations if excitations is None or isinstance(excitations, str) else tuple(excitations)
     steady = orders_at_speeds(drivetrain, asked, speeds=grid, speed_of=speed_of, excitations=acting)
     case = ExcitationCase.worst(steady)
-    notes = [f"case of excitation, the worst in steady vibration: {case.words}"] if case.words else []
+    notes = [phrase("case of excitation, the worst in steady vibration: {case}", case=case.words)] if case.words else []
     model = drivetrain
     # In time a law over frequency has no equation of its own: it is taken at the resonance, where its damping
     # matters.
     if drivetrain.assembly.system.dynamic:
         hertz, first = _resonance(steady), steady.outputs[0].name
         model = viscous_equivalent(drivetrain, hertz)
-        notes.append(f"hysteretic and tabulated stiffness: springs and dampers equal to it at {hertz:.4g} Hz, where "
-                     f"steady vibration of {first} is largest")  # fmt: skip
+        notes.append(phrase(VISCOUS, frequency=hertz, output=first))
     if drivetrain.definition.following:
-        notes.append("parameters that follow the speed have their values at the speed of the moment")
+        notes.append(phrase("parameters that follow the speed have their values at the speed of the moment"))
     notes += (*running_notes(drivetrain.definition), *range_notes(drivetrain.assembly, np.abs(steady.frequencies)))
     request = OrderRequest.of(model, grid, speed_of, acting)
     kept, left_out = lines_that_matter(steady, NEGLIGIBLE_ORDERS)

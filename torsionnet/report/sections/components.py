@@ -8,7 +8,7 @@ import numpy as np
 
 from torsionnet.base.entries.spec import not_none
 from torsionnet.base.number_text import aligned_numbers
-from torsionnet.base.phrases import phrase
+from torsionnet.base.phrases import joined, phrase
 from torsionnet.machinery.checks.limit_checks import limit_subject
 from torsionnet.machinery.limits.coupling import temperature_words
 from torsionnet.machinery.limits.curve import CurveLimit, crankshaft_throws
@@ -171,7 +171,7 @@ def _typeset(words: Sequence[str | RuleSymbol]) -> Text:
         if isinstance(one, RuleSymbol):
             parts.append(Math(_latex(one)))
         elif parts and isinstance(parts[-1], str):
-            parts[-1] += one
+            parts[-1] = joined("", (parts[-1], one))
         else:
             parts.append(one)
     return tuple(parts)

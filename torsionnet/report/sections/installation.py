@@ -304,9 +304,10 @@ def _notes(found: MassElasticTable, block: TableBlock, materials: dict[str, str]
                 f" {unit(prefix + 'N*m/rad')}.",
             )
     if materials:
-        yield ("; ".join(f"{letter}: {material}" for material, letter in materials.items()) + ".",)
+        each = (phrase("{letter}: {material}", letter=letter, material=one) for one, letter in materials.items())
+        yield (joined("; ", each), ".")
     for note in (*found.shares_of_shafts(), *found.divided(), *found.notes):
-        yield (f"{capital(as_words(note))}.",)
+        yield (capital(as_words(note)), ".")
 
 
 def _changes(tables: Sequence[MassElasticTable], names: Sequence[str], titles: ConditionTitles) -> Iterator[Text]:

@@ -32,7 +32,7 @@ from torsionnet.report.document_tree import TableGroup as Group
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_holzer import holzer_block
 from torsionnet.report.report_tables import results_table, table
-from torsionnet.report.report_text import as_words, distinct_choices, shared_choices
+from torsionnet.report.report_text import as_words, distinct_choices, in_clauses, shared_choices
 from torsionnet.report.report_units import DIGITS
 
 if TYPE_CHECKING:
@@ -207,7 +207,7 @@ def _margins(found: CriticalSpeeds, cases: tuple[Case, ...], *, several: bool) -
         ),
         "Margin: distance of the nearer of undamped and damped natural frequency from the frequencies compared, "
         "as a share of them; 0 where one of the speeds meets it.",
-        phrase("Margins by {rule}.", rule=found.rule),
+        phrase("Margins by {rule}.", rule=in_clauses(str(found.rule))),
     ]
     if any(one.passes is False for one in found.crossings):
         notes.append("Where a margin is not kept, stresses at the critical speed have to show that it does no harm.")
