@@ -14,6 +14,7 @@ from typing import Any
 
 from torsionnet.base.errors import Fault, UsageError, comma_list
 from torsionnet.base.expressions import interpolate_float
+from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM
 from torsionnet.model.definition import Definition, all_nodes, with_operating_values, with_tangents
 from torsionnet.model.element_base.laws import MotionState
@@ -211,9 +212,8 @@ def law_notes(definition: Definition) -> tuple[str, ...]:
         return ()
     names = [one.name for one in following]
     if not tangents.is_loaded:
-        return (
-            f"without load: {comma_list(names, MOST_NAMED)} linear at rest; at(torque={{...}}) gives another point",
-        )
+        text = "without load: {laws} linear at rest; at(torque={...}) gives another point"
+        return (phrase(text, laws=comma_list(names, MOST_NAMED)),)
     state = tangents.state
     value = Values(resolve(definition.parameters)[0])
     found: list[str] = []

@@ -27,6 +27,11 @@ STILL_NODE = 1e-6
 """Angle of a node, over its neighbours or the largest, up to which the node stands still."""
 LARGEST_ERROR = 1e-6
 """Relative error of an eigenvalue above which a warning about its accuracy is given."""
+SHARED = (
+    "{modes} share one eigenvalue, so every combination of their shapes is a mode too; shown are those in which of "
+    "{nodes} only one moves, in this order"
+)
+"""Note on modes whose shapes are one choice of many."""
 UNSTABLE = "unstable, it grows"
 """Words with which the description of a mode begins if its real part is positive."""
 SAME_POLE = 1e-6
@@ -241,10 +246,7 @@ def with_chosen_shapes(
         # The inverse at the chosen nodes makes each shape 1 at its own node and 0 at the others.
         vectors[:, group] = vectors[:, group] @ np.linalg.inv(motion[np.ix_(chosen, group)])
         names = " and ".join([", ".join(nodes[i] for i in chosen[:-1]), nodes[chosen[-1]]])
-        notes.append(
-            f"{_named(solution, group)} share one eigenvalue, so every combination of their shapes is a mode too; "
-            f"shown are those in which of {names} only one moves, in this order"
-        )
+        notes.append(phrase(SHARED, modes=_named(solution, group), nodes=names))
     return replace(solution, vectors=vectors), tuple(notes)
 
 

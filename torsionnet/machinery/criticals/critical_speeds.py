@@ -13,6 +13,7 @@ from torsionnet.base.entries.spec import Schema
 from torsionnet.base.errors import UsageError
 from torsionnet.base.number_text import screen_text
 from torsionnet.base.packages import SavedResult
+from torsionnet.base.phrases import phrase
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table, result_table
 from torsionnet.base.units import RPM
@@ -404,7 +405,12 @@ class CriticalSpeeds(SavedResult):
     def _notes(self) -> tuple[str, ...]:
         low, high = (speed * RPM for speed in self.speed_range)
         notes = [
-            f"speeds of {self.reference}; operating range {screen_text(low, 6)} to {screen_text(high, 6)} rpm",
+            phrase(
+                "speeds of {node}; operating range {low} to {high} rpm",
+                node=self.reference,
+                low=screen_text(low, 6),
+                high=screen_text(high, 6),
+            ),
             "margin: least distance of both natural frequencies from the line over the range; 0 where they meet there",
             "generalised force: torques of all cylinders summed on the shape with their phases, largest angle 1 rad",
         ]

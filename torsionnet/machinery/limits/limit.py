@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.errors import EntryPath, Fault
+from torsionnet.base.phrases import phrase
 from torsionnet.base.units import expected_unit
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
@@ -235,7 +236,7 @@ class Limit(Declared):
         lost = [span for span, barred in zip(above, wide, strict=True) if barred.marks_any(kept)]
         if lost and not evidence.subject.misfiring:
             others = joined_spans([span for span in wide if not span.marks_any(kept)])
-            text = f"exceeded from {lost[0]}: no range to be barred"
+            text = phrase("exceeded from {range}: no range to be barred", range=lost[0])
             return self._verdict(line, name, evidence, FAIL, others, (text,))
         barred = joined_spans(wide)
         ends = [remark for span in barred for remark in range_end_remarks(span, evidence.examined, *NOT_EXAMINED)]

@@ -9,7 +9,7 @@ import numpy as np
 
 from torsionnet.base.conventions import OSCILLATORY, counting_notes
 from torsionnet.base.number_text import MISSING_TYPESET, aligned_numbers
-from torsionnet.base.phrases import phrase
+from torsionnet.base.phrases import extended, phrase
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -180,8 +180,8 @@ def _notes(subject: ReportData, found: tuple[Modes, ...]) -> list[Text]:
     remarks = dict.fromkeys(note for modes in found for note in modes.notes)
     lead = ("Undamped natural frequencies: ", listed)
     counted = counting_notes([number for modes in found for number in modes.numbers])
-    counting: list[Text] = [(capital(note) + ".",) for note in counted]
-    return [*counting, lead, *(sentence(capital(note) + ".", subject.model) for note in remarks)]
+    counting: list[Text] = [(capital(note), ".") for note in counted]
+    return [*counting, lead, *(sentence(extended(capital(note), "."), subject.model) for note in remarks)]
 
 
 def _energies(subject: ReportData, found: tuple[Modes, ...]) -> TableBlock:
