@@ -201,13 +201,15 @@ class HtmlWriter(PageWriter):
         pieces = whole if self.folds else layout.pieces
         name = f"table-{label.number.lower()}"
         caption = f"<p class=caption id={name}><b>{escaped(str(label))}</b> {self.inline(layout.block.caption)}</p>"
-        parts = [caption + self._piece(pieces[0], layout.block.groups, name)]
+        # A page may end between the parts of a short table, and within its notes.
+        part = f"<div{' class=keep' if layout.stays_whole else ''}>"
+        parts = [f"{part}{caption}{self._piece(pieces[0], layout.block.groups, name)}</div>"]
         for place, piece in enumerate(pieces[1:], 2):
             above = f"<p class=caption id={name}-{place}>{escaped(self.word('(continued)'))}</p>"
-            parts.append(above + self._piece(piece, layout.continued, f"{name}-{place}"))
+            parts.append(f"{part}{above}{self._piece(piece, layout.continued, f'{name}-{place}')}</div>")
         notes = "".join(f"<p class=note>{self.inline(note)}</p>" for note in layout.block.foot_notes)
         size = f" style=--size:{layout.size:g}" if layout.size < 1 else ""
-        return f"<div class='table{' keep' if layout.stays_whole else ''}'{size}>{''.join(parts)}{notes}</div>"
+        return f"<div class=table{size}>{''.join(parts)}{notes}</div>"
 
     def _piece(self, piece: Piece, groups: Sequence[TableGroup], name: str) -> str:
         """Columns of a table, all or those of a piece, in a box that scrolls where the screen is narrow."""
