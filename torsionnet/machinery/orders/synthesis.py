@@ -142,14 +142,15 @@ def _highest(waves: FloatArray, rise: FloatArray, amplitudes: ComplexArray, coun
     n = waves.shape[2]
     # Only a point within that rise of the highest one can have the true maximum beside it. Waves without a rise, as
     # outputs that nothing excites, are flat, and every point of theirs is as high.
-    speeds, outputs, points = np.nonzero(waves >= np.where(rise > 0, found - rise, np.inf)[:, :, None])
-    here = waves[speeds, outputs, points]
-    is_crest = here >= np.maximum(waves[speeds, outputs, points - 1], waves[speeds, outputs, (points + 1) % n])
-    speeds, outputs, points = speeds[is_crest], outputs[is_crest], points[is_crest]
+    flat = np.flatnonzero(waves >= np.where(rise > 0, found - rise, np.inf)[:, :, None])
+    first, points, every = flat // n * n, flat % n, waves.reshape(-1)
+    is_crest = every[flat] >= np.maximum(every[first + (points - 1) % n], every[first + (points + 1) % n])
+    rows, points = flat[is_crest] // n, points[is_crest]
+    tops, each = found.reshape(-1), amplitudes.reshape(-1, len(counts))
     for start in range(0, len(points), MOST_MAXIMA):
         part = slice(start, start + MOST_MAXIMA)
-        of = speeds[part], outputs[part]
-        np.maximum.at(found, of, _tops(amplitudes[of], counts, points[part] * (2 * np.pi / n), 2 * np.pi / n))
+        angles = points[part] * (2 * np.pi / n)
+        np.maximum.at(tops, rows[part], _tops(each[rows[part]], counts, angles, 2 * np.pi / n))
     return found
 
 
@@ -158,31 +159,31 @@ def _tops(amplitudes: ComplexArray, counts: NDArray[np.int64], start: FloatArray
     series = _Series(amplitudes, counts)
     low, high, angle = start - step, start + step, start
     for _ in range(NEWTON_STEPS):
-        _, slope, curvature = series.at(angle)
+        value, slope, curvature = series.at(angle)
         # Where x' > 0 the maximum comes later: the bracket shrinks to that side.
         low, high = np.where(slope > 0, angle, low), np.where(slope > 0, high, angle)
         # Newton for x' = 0 where x'' < 0; elsewhere, or out of the bracket, the step is a bisection.
         newton = angle - np.divide(slope, curvature, out=np.full_like(slope, np.inf), where=curvature < 0)
-        angle = np.where((low <= newton) & (newton <= high), newton, (low + high) / 2)
-    return np.asarray(series.at(angle)[0])
+        before, angle = angle, np.where((low <= newton) & (newton <= high), newton, (low + high) / 2)
+    # The last step is so short that the parabola has the value at its end.
+    return np.asarray(value + (slope + curvature * (angle - before) / 2) * (angle - before))
 
 
 class _Series:
     """Sums Re sum_k X_k exp(j c_k phi) of waves (n, n_counts), in the unit of X, with their derivatives to phi."""
 
     def __init__(self, amplitudes: ComplexArray, counts: NDArray[np.int64]) -> None:
-        # Value, slope and curvature are sums of X, j c X and -c^2 X; they lie side by side for each count.
-        factors = np.array([np.ones(len(counts)), 1j * counts, -1.0 * np.square(counts)])
-        self.terms = np.ascontiguousarray((factors[:, None] * amplitudes).transpose(2, 0, 1))
+        self.amplitudes, self.counts = np.ascontiguousarray(amplitudes.T), counts
         self.gaps = [int(counts[0]), *np.diff(counts).tolist()]
 
-    def at(self, angle: FloatArray) -> FloatArray:
-        """Value, slope per rad, curvature per rad^2 of waves, in their unit, each at its angle in rad, shape (3, n)."""
+    def at(self, angle: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Value, slope per rad and curvature per rad^2 of waves, in their unit, each at its angle in rad."""
         turns = {gap: np.exp(1j * gap * angle) for gap in set(self.gaps)}
-        # Horner's rule in exp(j phi), from the highest count down, with the gaps between counts as powers.
-        total = np.zeros(self.terms.shape[1:], dtype=complex)
-        for terms, gap in zip(self.terms[::-1], self.gaps[::-1], strict=True):
-            total += terms
+        # X_k exp(j c_k phi) from the lowest count up, with the gaps between counts as powers.
+        parts, turned = np.empty_like(self.amplitudes), np.ones(len(angle), dtype=complex)
+        for place, gap in enumerate(self.gaps):
             if gap:
-                total *= turns[gap]
-        return np.asarray(total.real)
+                turned = turned * turns[gap]
+            np.multiply(self.amplitudes[place], turned, out=parts[place])
+        # x' = -sum c Im(X e), x'' = -sum c^2 Re(X e).
+        return parts.real.sum(axis=0), -(self.counts @ parts.imag), -(np.square(self.counts) @ parts.real)

@@ -238,28 +238,40 @@ class WorstResponse(OrderResponse):
     def cases(self, output: str | None = None) -> tuple[str, ...]:
         """Names of the cases (firing conditions) with the largest half range of an output, one for each speed."""
         place = self.output(output)
-        return tuple(self._case(at, place) for at in range(len(self.speeds)))
+        sizes = self._sizes(slice(None), place)
+        return tuple(self._case(at, place, sizes[:, at]) for at in range(len(self.speeds)))
 
     def case_at(self, speed: int, output: str | None = None) -> str:
         """Name of the case (firing condition) with the largest half range of an output, at a speed by its index."""
-        return self._case(speed, self.output(output))
+        place, at = self.output(output), range(len(self.speeds))[speed]
+        return self._case(at, place, self._sizes(slice(at, at + 1), place)[:, 0])
 
-    def _case(self, at: int, place: int) -> str:
-        parts = [self._alike(at, place)] if self.labels else []
+    def _sizes(self, speeds: slice, place: int) -> FloatArray:
+        """Half ranges (n_cases, n_speeds) in SI of one output in every case without scatter, at some speeds alone."""
+        cases = [] if self.scattered else list(self.alternatives.values())
+        part = slice(place, place + 1)
+        single = (
+            replace(one, speeds=one.speeds[speeds], values=one.values[speeds, :, part], outputs=one.outputs[part])
+            for one in cases
+        )
+        return np.array([one.half_range[:, 0] for one in single]).reshape(len(cases), len(self.speeds[speeds]))
+
+    def _case(self, at: int, place: int, sizes: FloatArray) -> str:
+        parts = [self._alike(at, place, sizes)] if self.labels else []
         if self.scattered:
             high = [name for name, sign in zip(self.scattered, self.signs[at, place], strict=True) if sign > 0]
             parts.append(f"{', '.join(high)} up, the others down" if high else "all down")
         parts += [one.at(at, place) for one in self.angles]
         return joined("; ", parts)
 
-    def _alike(self, at: int, place: int) -> str:
+    def _alike(self, at: int, place: int, sizes: FloatArray) -> str:
         """Names of the cases with the largest half range within rounding as a text, ALL_CASES_EQUAL if all have it."""
-        chosen = self.labels[int(self.chosen[at, place])]
+        chosen = int(self.chosen[at, place])
         if self.scattered:
-            return chosen
-        sizes = {label: float(one.half_range[at, place]) for label, one in self.alternatives.items()}
+            return self.labels[chosen]
         rounding = EQUAL_SEARCHED_HALF_RANGE if self.angles else EQUAL_HALF_RANGE
-        same = [label for label in self.labels if sizes[label] >= (1 - rounding) * sizes[chosen]]
+        pairs = zip(self.labels, sizes.tolist(), strict=True)
+        same = [label for label, size in pairs if size >= (1 - rounding) * sizes[chosen]]
         return ALL_CASES_EQUAL if 1 < len(same) == len(self.labels) else joined(" or ", same)
 
     def table(self, output: str | None = None, conventions: Conventions = SI, most: int = 6) -> Table:

@@ -139,11 +139,13 @@ class SectionTorques:
     def at(self, times: FloatArray, angles: FloatArray, speeds: FloatArray) -> FloatArray:
         """Torques (n_inputs, n) in N m at times in s, angles in rad and speeds in rad/s of the reference shaft."""
         # theta_l = r_l phi + 2 pi f_l t; amplitudes by Horner's rule in the share of the speed range.
-        turning = np.exp(1j * (np.outer(self.relative, angles) + np.outer(self.fixed, times)))
+        turned = np.outer(self.relative, angles) + np.outer(self.fixed, times)
+        # Re(T exp(j theta)) = Re T cos theta - Im T sin theta: real functions and products are several times as fast.
+        waves = np.concatenate([np.cos(turned), np.sin(turned)])
         share = (speeds - self.low) / ((self.high - self.low) or 1.0)
         found = np.zeros((self.powers.shape[2], len(times)))
         for factors in self.powers[::-1]:
-            found = found * share + (factors.T @ turning).real
+            found = found * share + np.concatenate([factors.real, -factors.imag]).T @ waves
         return found
 
     def steady(self, time: float, angle: float, speed: float) -> tuple[ComplexArray, FloatArray]:
