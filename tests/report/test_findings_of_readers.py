@@ -82,6 +82,15 @@ def test_critical_speeds_outside_whose_flank_matters_are_named_with_their_condit
     assert told_beside(FLANK) == ["Beside the range of 650 to 800 rpm, not examined: gas 2, mode 1 at 584.8"]
 
 
+def test_a_condition_whose_start_is_not_judged_names_the_limit():
+    """At the resonance, 584.8 rpm, 40 N m make more than the 200 N m allowed; nothing is said of passing."""
+    text = FLANK.replace("step: 5 rpm", "step: 5 rpm, run_up: {range: 500..650 rpm, load: 100 %}")
+    tables = of(TableBlock, blocks(document(text, "conditions"), "conditions"))
+    (found,) = [one for one in tables if words(one.caption).startswith("Conditions examined")]
+    at = [words(column.text) for column in found.columns].index("Verdict")
+    assert [row[at] for row in rows(found)] == ["pass", "pass; starts not judged: shaft"]
+
+
 THROWS = """torsionnet: 1
 name: crankshaft with a limit in passing
 elements:

@@ -152,9 +152,10 @@ def coupling_dampings(case: Case, records: Sequence[CriticalRecord]) -> Iterator
             if len(set(texts.values())) == 1:
                 each.append(phrase("{size} in mode {mode}", size=next(iter(texts.values())), mode=mode))
             else:
-                each += [phrase("{size} at {speed:.1f}", size=size, speed=speed * RPM) for speed, size in texts.items()]
+                template = "{size} at {speed:.1f} rpm"
+                each += [phrase(template, size=size, speed=speed * RPM) for speed, size in texts.items()]
         yield phrase(
-            "Damping of {name} as viscous at the critical speeds [rpm], c = η k/ω: {values} {unit}.",
+            "Damping of {name} as viscous at the critical speeds, c = η k/ω: {values} {unit}.",
             name=as_words(name),
             values=joined(", ", each),
             unit=unit(prefix + "N*m*s/rad"),

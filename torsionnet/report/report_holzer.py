@@ -23,7 +23,8 @@ ANGLES_AND_TORQUES = ("rad", "N·m", "kN·m", "MN·m")
 """Units of the columns of a Holzer table whose digits must close."""
 DISTRIBUTED_NOTE = (
     "Shafts: torque of their own inertia, ω² times the sum of M θ over both ends, which J ω² θ leaves out; J is that "
-    "of the masses alone. The sum of torques is k times the twist, and θ less the twist is that of the next station."
+    "of the masses alone. The sum of torques is k times the twist, and θ less the twist is that of the next station. "
+    "The stress is the largest along a shaft."
 )
 CLOSING_NOTE = "The sum of torques is k times the twist, and θ less the twist is that of the next station."
 

@@ -9,6 +9,7 @@ from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM
 from torsionnet.machinery.verdicts.limit_check import LimitCheck
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
+from torsionnet.machinery.verdicts.limit_verdict import OPEN
 from torsionnet.machinery.verdicts.run_up_check import PassedLimit, RunUpCheck
 from torsionnet.report.document_tree import Block, Heading
 from torsionnet.report.report_data import ReportData
@@ -26,6 +27,7 @@ AT_ITS_RATE = (
     "The speed rises by {rate:.3g} rpm a second. A value above what is allowed is that of this passage, any other that "
     "of steady vibration, which is larger."
 )
+NOT_JUDGED = "Not judged: beside the value is what is allowed in continuous operation, as none is said in passing."
 """Notes on the values in the table of starts."""
 
 
@@ -72,7 +74,8 @@ def _table(subject: ReportData, checks: list[LimitCheck]) -> Block:
         low=low, high=high, shaft=as_words(run_up.reference), load=100 * run_up.load,
     )  # fmt: skip
     note = AS_IF_LASTING if run_up.rate is None else phrase(AT_ITS_RATE, rate=run_up.rate * RPM)
-    return table(caption, columns, list(cells), [note])
+    notes = [note, NOT_JUDGED] if any(one.verdict == OPEN for _, one in rows) else [note]
+    return table(caption, columns, list(cells), notes)
 
 
 def _run_up(check: LimitCheck) -> RunUpCheck:

@@ -78,8 +78,11 @@ class RangePassage:
 
     @property
     def named(self) -> Annotated[str, Out("limit")]:
-        """Name of the limit, with its criterion where that is one on mean and vibration together."""
-        return f"{self.verdict.limit} {self.verdict.criterion}" if self.verdict.in_passing else self.verdict.limit
+        """Name of the limit, with its criterion where it has several, or that is one on mean and vibration together."""
+        own = self.verdict
+        steady = (one for one in self.check.verdicts if one.limit == own.limit and not one.in_passing)
+        several = len({one.criterion for one in steady if one.orders is not None}) > 1
+        return f"{own.limit} {own.criterion}" if several or own.in_passing else own.limit
 
     @property
     def is_upward(self) -> bool:

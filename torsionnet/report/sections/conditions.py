@@ -221,6 +221,10 @@ def _verdict(check: LimitCheck) -> tuple[Cell, ...]:
     rest = gravest(one.verdict for one in concerned if one.verdict != OPEN)
     if check.verdict == OPEN and any(one.verdict != OPEN for one in concerned):
         named = phrase("{verdict}; not judged: {limits}", verdict=phrase(rest), limits=", ".join(grave))
+    if not grave and check.run_up is not None:
+        steady, starts = gravest(one.verdict for one in concerned), map(as_words, check.run_up.names(check.verdict))
+        template = "{verdict}; starts {finding}: {limits}"
+        named = phrase(template, verdict=phrase(steady), finding=phrase(check.verdict), limits=", ".join(starts))
     (most, *_) = sorted(concerned, key=lambda one: -(one.worst_utilisation or 0.0))
     return (
         named if check.verdict in (FAIL, OPEN) else check.verdict,
