@@ -192,11 +192,12 @@ def _followed(motions: Sequence[_Motion], lag: IntArray, step: float) -> _Found:
     amplitudes = [one.with_signs(signs) for one, (_, signs) in zip(motions, found, strict=True)]
     starts: list[FloatArray] = [np.asarray(step * start) for start, _ in found]
     tau: FloatArray = step * lag.astype(float)
-    size = _range(motions, amplitudes, starts, tau)
-    best, top = [*starts], size
+    ends = _ends(motions, amplitudes, starts, tau)
+    best, top = [*starts], _range(ends)
     for _ in range(NEWTON_STEPS):
-        starts, tau = _newton(motions, amplitudes, starts, tau, step)
-        size = _range(motions, amplitudes, starts, tau)
+        starts, tau = _newton(ends, starts, tau, step)
+        ends = _ends(motions, amplitudes, starts, tau)
+        size = _range(ends)
         # A step of Newton may overshoot: the best of all iterates counts.
         better = size > top * (1 + EQUAL_SHARE)
         best = [np.where(better, new, old) for new, old in zip(starts, best, strict=True)]
@@ -204,21 +205,26 @@ def _followed(motions: Sequence[_Motion], lag: IntArray, step: float) -> _Found:
     return _Found(top, tuple(best), tuple(signs for _, signs in found))
 
 
-def _range(
+Sum: TypeAlias = tuple[FloatArray, FloatArray, FloatArray]
+"""Sum of an engine's orders at an angle, in SI, with its first and second derivative to the angle in rad."""
+
+
+def _ends(
     motions: Sequence[_Motion], amplitudes: Sequence[ComplexArray], starts: Sequence[FloatArray], tau: FloatArray
-) -> FloatArray:
-    total = np.zeros_like(tau)
-    for one, own, start in zip(motions, amplitudes, starts, strict=True):
-        total += _derivative(one.rates, own, start + tau, 0) - _derivative(one.rates, own, start, 0)
-    return total
+) -> list[tuple[Sum, Sum]]:
+    """Sums of orders at the highest and at the lowest instant, by engine."""
+    return [
+        (_summed(one.rates, own, start + tau), _summed(one.rates, own, start))
+        for one, own, start in zip(motions, amplitudes, starts, strict=True)
+    ]
+
+
+def _range(ends: Sequence[tuple[Sum, Sum]]) -> FloatArray:
+    return np.asarray(sum(high[0] - low[0] for high, low in ends))
 
 
 def _newton(
-    motions: Sequence[_Motion],
-    amplitudes: Sequence[ComplexArray],
-    starts: Sequence[FloatArray],
-    tau: FloatArray,
-    step: float,
+    ends: Sequence[tuple[Sum, Sum]], starts: Sequence[FloatArray], tau: FloatArray, step: float
 ) -> tuple[list[FloatArray], FloatArray]:
     """Start angles by engine, and angle tau from the lowest to the highest instant, in rad after one Newton step.
 
@@ -228,10 +234,8 @@ def _newton(
     each = []
     # R = sum_b x_b(a_b + tau) - x_b(a_b), with the gradients x_b'(a_b + tau) - x_b'(a_b) to a_b
     # and sum_b x_b'(a_b + tau) to tau.
-    for one, own, start in zip(motions, amplitudes, starts, strict=True):
-        first, second = (_derivative(one.rates, own, start + tau, order) for order in (1, 2))
-        gradient = first - _derivative(one.rates, own, start, 1)
-        bend = second - _derivative(one.rates, own, start, 2)
+    for (_, first, second), (_, slope_below, bend_below) in ends:
+        gradient, bend = first - slope_below, second - bend_below
         is_top = bend < 0
         inverse = np.divide(1.0, bend, out=np.zeros_like(bend), where=is_top)
         each.append((gradient, second, inverse))
@@ -248,10 +252,14 @@ def _newton(
     return moved, tau + change
 
 
-def _derivative(rates: FloatArray, amplitudes: ComplexArray, angle: FloatArray, order: int) -> FloatArray:
-    """Derivative (n_speeds, n_out) of given order of Re sum X exp(j r angle) by the angle in rad, in the unit of X."""
-    terms = amplitudes * (1j * rates[:, None]) ** order * np.exp(1j * rates[:, None] * angle[:, None, :])
-    return np.asarray(terms.real.sum(axis=1))
+def _summed(rates: FloatArray, amplitudes: ComplexArray, angle: FloatArray) -> Sum:
+    """Re sum X exp(j r angle) with its derivatives to the angle in rad, each (n_speeds, n_out), in the unit of X."""
+    rate = rates[:, None]
+    turned = rate * angle[:, None, :]
+    cosine, sine = np.cos(turned), np.sin(turned)
+    real = amplitudes.real * cosine - amplitudes.imag * sine
+    imaginary = amplitudes.real * sine + amplitudes.imag * cosine
+    return real.sum(axis=1), -(rate * imaginary).sum(axis=1), -(rate**2 * real).sum(axis=1)
 
 
 SPEEDS_PER_SEARCH = 50
