@@ -118,9 +118,9 @@ class Folding:
     Torques on an inertia of 1 kg m^2 that are held for 1 s move it by (z + 1)/(2 (z - 1)^2) rad/(N m).
 
     >>> folding = Folding(BetweenSamples("held", 1.0), np.array([0.1, 0.3]))
-    >>> found = folding.folded(-1 / (2 * np.pi * folding.frequencies) ** 2)
+    >>> sampled = folding.folded(-1 / (2 * np.pi * folding.frequencies) ** 2)
     >>> z = np.exp(2j * np.pi * folding.lines)
-    >>> bool(np.allclose(found, (z + 1) / 2 / (z - 1) ** 2, rtol=1e-6))
+    >>> bool(np.allclose(sampled, (z + 1) / 2 / (z - 1) ** 2, rtol=1e-6))
     True
     """
 

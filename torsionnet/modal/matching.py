@@ -322,10 +322,10 @@ def match(
     >>> import torsionnet as tn
     >>> from torsionnet.modal import identify_modes
     >>> rig = tn.load("amt_rig").configured("II")
-    >>> found = identify_modes(rig.frequency_response("theta_1", "T_T", np.arange(0.5, 30, 0.1)))
-    >>> bool(np.abs(match(found, rig.modes(measured_input="T_T")).frequency_errors).max() < 1e-6)
+    >>> estimate = identify_modes(rig.frequency_response("theta_1", "T_T", np.arange(0.5, 30, 0.1)))
+    >>> bool(np.abs(match(estimate, rig.modes(measured_input="T_T")).frequency_errors).max() < 1e-6)
     True
-    >>> match(found, rig.modes()).frequency_errors.round(2).tolist()  # not those of the rig as a whole
+    >>> match(estimate, rig.modes()).frequency_errors.round(2).tolist()  # not those of the rig as a whole
     [0.16, 0.06]
     """
     poles, known = _of_model(estimate, model, shapes, nodes)

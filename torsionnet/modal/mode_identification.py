@@ -69,13 +69,13 @@ def identify_modes(
     >>> import torsionnet as tn
     >>> rig = tn.load("amt_rig").configured("V_c_O_360")
     >>> test = rig.frequency_response("theta_1", "T_T", np.arange(0.5, 30, 0.1))
-    >>> found = identify_modes(test)
-    >>> found.kinds
+    >>> estimate = identify_modes(test)
+    >>> estimate.kinds
     ('real pole', 'oscillatory')
-    >>> found.notes[0]
+    >>> estimate.notes[0]
     '1 pole outside the band of 0.5 to 29.9 Hz stands for what is beyond it and is not listed'
     >>> own = rig.modes(measured_input="T_T").eigenvalues[:2]
-    >>> bool(np.allclose(found.poles, own, rtol=1e-6))
+    >>> bool(np.allclose(estimate.poles, own, rtol=1e-6))
     True
     """
     diagram = measured if isinstance(measured, Stabilisation) else _diagram(measured, settings or Settings(), selection)

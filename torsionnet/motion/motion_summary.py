@@ -62,8 +62,8 @@ def signal_peaks(recording: Recording) -> tuple[SignalPeaks, ...]:
     --------
     >>> import numpy as np
     >>> from torsionnet.signals.recording import Recording, Signal
-    >>> (one,) = signal_peaks(Recording((Signal("T", "torque", np.array([0.0, 2.0, -1.0])),), 10.0))
-    >>> one.highest, one.highest_at, one.lowest, one.lowest_at, one.last
+    >>> (peaks,) = signal_peaks(Recording((Signal("T", "torque", np.array([0.0, 2.0, -1.0])),), 10.0))
+    >>> peaks.highest, peaks.highest_at, peaks.lowest, peaks.lowest_at, peaks.last
     (2.0, 0.1, -1.0, 0.2, -1.0)
     """
     times = recording.time

@@ -124,13 +124,13 @@ def split_plant(drivetrain: AssembledModel, plant: MotionPlant, scales: tuple[Sc
     phases: list[LawPhases] = []
     scale_of: list[int] = []
     smooth: list[SmoothLaw] = []
-    for row_of_law in plant.laws:
-        law = floats[row_of_law.number]
-        key = (row_of_law.owner, law.scaled_by)
+    for placed in plant.laws:
+        law = floats[placed.number]
+        key = (placed.owner, law.scaled_by)
         scale = scales.index(key) if key in scales else -1
         if isinstance(law.curve, ArcCurve):
-            pieces.append(replace(row_of_law, law=law))
-            phases.append(chain_phases(row_of_law.owner, law.curve))
+            pieces.append(replace(placed, law=law))
+            phases.append(chain_phases(placed.owner, law.curve))
             scale_of.append(-1)
             continue
         straight = isinstance(law.curve, PieceCurve)
@@ -140,24 +140,22 @@ def split_plant(drivetrain: AssembledModel, plant: MotionPlant, scales: tuple[Sc
         )
         if scale >= 0 and law.curve.over == "twist":
             raise UsageError(
-                f"{row_of_law.owner}: a torque over the twist cannot be scaled over time", kind="unsupported-law"
+                f"{placed.owner}: a torque over the twist cannot be scaled over time", kind="unsupported-law"
             )
         if straight and not (scale >= 0 and grows):
-            pieces.append(replace(row_of_law, law=law))
-            phases.append(law_phases(row_of_law.owner, law, scaled=scale >= 0))
+            pieces.append(replace(placed, law=law))
+            phases.append(law_phases(placed.owner, law, scaled=scale >= 0))
             scale_of.append(scale)
             continue
-        sensed = np.array([plant.assembly.rows_of(row)[0] for row in law.sensed]).reshape(-1, len(row_of_law.row))
+        sensed = np.array([plant.assembly.rows_of(row)[0] for row in law.sensed]).reshape(-1, len(placed.row))
         held = -1
         # Steps, in which friction sticks, stay with the straight pieces and have no torque on these.
         if straight:
             held = len(pieces)
-            pieces.append(replace(row_of_law, law=law))
-            phases.append(_steps_alone(row_of_law.owner, law))
+            pieces.append(replace(placed, law=law))
+            phases.append(_steps_alone(placed.owner, law))
             scale_of.append(scale)
-        smooth.append(
-            SmoothLaw(row_of_law.owner, law, row_of_law.number, row_of_law.row, sensed, scale, held, float(law.lag))
-        )
+        smooth.append(SmoothLaw(placed.owner, law, placed.number, placed.row, sensed, scale, held, float(law.lag)))
     return SplitPlant(replace(plant, laws=tuple(pieces)), tuple(phases), tuple(scale_of), tuple(smooth), scales)
 
 

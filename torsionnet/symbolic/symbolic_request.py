@@ -241,7 +241,7 @@ class SymbolicFraction:
     def free_symbols(self) -> frozenset[Any]:
         """Parameters that appear in the transfer function, as sympy symbols."""
         symbols = {symbol for leaf in self._leaves for symbol in leaf.free_symbols} - {sympy.Symbol("omega")}
-        coefficients = (table_of for table in self.used_tables.values() for table_of in table.coefficients)
+        coefficients = (coefficient for table in self.used_tables.values() for coefficient in table.coefficients)
         return frozenset(symbols.union(*(coefficient.free_symbols for coefficient in coefficients)))
 
     @cached_property

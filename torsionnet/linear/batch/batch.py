@@ -139,7 +139,7 @@ class Batch:
             self.inertia[places],
             self.damping[places],
             self.stiffness[places],
-            tuple(stiffness_of_law.part(places, len(self)) for stiffness_of_law in self.dynamic),
+            tuple(law.part(places, len(self)) for law in self.dynamic),
             self.impossible[places],
             self.separate[places],
             {name: column[places] for name, column in self.moduli.items()},

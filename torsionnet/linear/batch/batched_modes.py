@@ -9,8 +9,8 @@ certain.
 >>> system, nodes = assembly.system, assembly.node_rows.dense
 >>> softer = np.array([[1.0], [0.99]]) * system.stiffness
 >>> J, c = (np.tile(part, (2, 1)) for part in (system.inertia, system.damping))
->>> found = stacked_modes(system, nodes, Coefficients(J, c, softer, np.zeros_like(J)))
->>> (found.eigenvalues[1, 1:] / found.eigenvalues[0, 1:]).round(12).tolist() == [round(0.99**0.5, 12)] * 2
+>>> modes = stacked_modes(system, nodes, Coefficients(J, c, softer, np.zeros_like(J)))
+>>> (modes.eigenvalues[1, 1:] / modes.eigenvalues[0, 1:]).round(12).tolist() == [round(0.99**0.5, 12)] * 2
 True
 """
 

@@ -96,8 +96,8 @@ def batched_responses(
     >>> from torsionnet.linear.dynamic_stiffness.transfer_request import cached_request
     >>> rig = tn.load("dmf_rig")
     >>> batch = batch_plan(rig, ["k_2"]).batch({"k_2": np.array([400.0, 500.0, -1.0])})
-    >>> found = batched_responses(batch, cached_request(rig, "theta_1", "T_M", None), np.array([8.0, 9.0]))
-    >>> found.values.shape, bool(np.isnan(found.values[2]).all())
+    >>> responses = batched_responses(batch, cached_request(rig, "theta_1", "T_M", None), np.array([8.0, 9.0]))
+    >>> responses.values.shape, bool(np.isnan(responses.values[2]).all())
     ((3, 2, 1, 1), True)
     """
     shape = (len(batch), len(frequencies))

@@ -68,7 +68,7 @@ def against_measured(outputs: LinearSystem, measured: LinearSystem, names: str, 
     A, B = outputs.A, outputs.B
     # Rows of Q and G, and the chains c_i, c_i A, ... of the derivatives in which no excitation shows.
     followed = [_until_driven(A, B, row, direct, names) for row, direct in zip(measured.C, measured.D, strict=True)]
-    Q, G = (np.array([getattr(chain_of, part) for chain_of in followed]) for part in ("states", "drive"))
+    Q, G = (np.array([getattr(chain, part) for chain in followed]) for part in ("states", "drive"))
     sizes = np.abs(G).max(axis=1, keepdims=True)
     if np.linalg.svd(G / sizes, compute_uv=False)[-1] < NEGLIGIBLE:
         raise UsageError(
@@ -79,13 +79,13 @@ def against_measured(outputs: LinearSystem, measured: LinearSystem, names: str, 
     closed = A - B @ back @ Q
     # P_(r-1) = B G^-1 e_i, P_(k-1) = (A - B G^-1 Q) P_k: then S P = 1, and w follows no derivative of m.
     S, chains = [], []
-    for number, chain_of in enumerate(followed):
+    for number, chain in enumerate(followed):
         column = B @ back[:, number]
         own = []
-        for _ in chain_of.chain:
+        for _ in chain.chain:
             own.append(column)
             column = closed @ column
-        S += chain_of.chain
+        S += chain.chain
         chains.append(own[::-1])
     P = np.array([column for own in chains for column in own]).reshape(len(S), len(A)).T
     N = _null_space(np.array(S).reshape(len(S), len(A)))

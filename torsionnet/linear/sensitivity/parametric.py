@@ -48,8 +48,8 @@ class ParametricResponse:
     --------
     >>> import torsionnet as tn
     >>> response = parametric_response(tn.load("dmf_rig"), "theta_1", "T_T", [8.0], ["c_2", "k_2"])
-    >>> found = response.at([4.0, 460.0])
-    >>> bool(abs(found.jacobian[0, 0, 0, 0]) > 0), found.jacobian.shape
+    >>> evaluation = response.at([4.0, 460.0])
+    >>> bool(abs(evaluation.jacobian[0, 0, 0, 0]) > 0), evaluation.jacobian.shape
     (True, (1, 1, 1, 2))
     """
 

@@ -238,8 +238,8 @@ def mode_sensitivities(
     Examples
     --------
     >>> import torsionnet as tn
-    >>> found = mode_sensitivities(tn.load("dmf_rig"), ["k_2", "c_2"])
-    >>> found.relative_frequencies[0].round(3).tolist()
+    >>> slopes = mode_sensitivities(tn.load("dmf_rig"), ["k_2", "c_2"])
+    >>> slopes.relative_frequencies[0].round(3).tolist()
     [0.498, 0.001]
     """
     names = list(parameters) if parameters is not None else _basic(drivetrain)

@@ -24,8 +24,8 @@ def pencil_poles(values: FloatArray, step: float, highest: int) -> list[ComplexA
     Examples
     --------
     >>> t = np.arange(200) * 0.01
-    >>> found = pencil_poles(np.exp(-0.5 * t) * np.cos(2 * np.pi * 5 * t), 0.01, 2)[-1]
-    >>> np.sort(found.imag / (2 * np.pi)).round(6).tolist(), found.real.round(6).tolist()
+    >>> poles = pencil_poles(np.exp(-0.5 * t) * np.cos(2 * np.pi * 5 * t), 0.01, 2)[-1]
+    >>> np.sort(poles.imag / (2 * np.pi)).round(6).tolist(), poles.real.round(6).tolist()
     ([-5.0, 5.0], [-0.5, -0.5])
     """
     length = max(int(PENCIL_SHARE * len(values)), 2)

@@ -321,8 +321,8 @@ def modes_from_decay(
     >>> from torsionnet.signals.recording import Signal
     >>> t = np.arange(2000) / 500
     >>> torque = 10 * np.exp(-0.02 * 2 * np.pi * 12 * t) * np.cos(2 * np.pi * 12 * np.sqrt(1 - 0.02**2) * t)
-    >>> found = modes_from_decay(Recording((Signal("T", "torque", torque),), sampling_rate=500), "T", start=0)
-    >>> float(found.natural_frequencies[0].round(4)), float(found.damping_ratios[0].round(5))
+    >>> modes = modes_from_decay(Recording((Signal("T", "torque", torque),), sampling_rate=500), "T", start=0)
+    >>> float(modes.natural_frequencies[0].round(4)), float(modes.damping_ratios[0].round(5))
     (12.0, 0.02)
     """
     signal = recording[channel]

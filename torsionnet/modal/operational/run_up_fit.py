@@ -100,9 +100,9 @@ def swept_response(pole: complex, sweep: SpeedSweep, derivative: int = 0) -> Com
     >>> times = np.arange(0, 60, 0.002)
     >>> sweep = sweep_of(times, 2 * np.pi * (9 * times + times**2 / 60), order=1)
     >>> pole = 2 * np.pi * 10 * complex(-0.05, (1 - 0.05**2) ** 0.5)
-    >>> found = swept_response(pole, sweep)
+    >>> response = swept_response(pole, sweep)
     >>> at = int(np.abs(sweep.speed - 2 * np.pi * 10).argmin())
-    >>> print(abs(found[at]).round(2))
+    >>> print(abs(response[at]).round(2))
     10.0
     """
     # q = (z - z')/(2 j Im lambda) of the states z of lambda and z' of its conjugate, each derivative a power of them.
@@ -177,7 +177,7 @@ class _Passage:
         self.windows, self.derivative = windows, derivative
         self.sweeps = [sweep_of(windows.times, windows.angle, order, excitation) for order in windows.orders]
         self.fixed = [self._fixed(sweep, background) for sweep in self.sweeps]
-        self.data = [_times(windows.whitening, order_values) for order_values in windows.values]
+        self.data = [_times(windows.whitening, row) for row in windows.values]
 
     def _fixed(self, sweep: SpeedSweep, background: int) -> FloatArray:
         middle, width = sweep.speed.mean(), np.ptp(sweep.speed) / 2 or 1.0

@@ -278,8 +278,8 @@ def modes_from_run_up(
     >>> torque = np.real(swept_response(pole, sweep) * np.exp(1j * sweep.phase))
     >>> speed = Signal("n", "velocity", np.gradient(2 * np.pi * turns, times, edge_order=2))
     >>> record = Recording((Signal("T", "torque", torque), speed), sampling_rate=250)
-    >>> found = modes_from_run_up(record, "T", 1, "n")
-    >>> float(found.natural_frequencies[0].round(3)), float(found.damping_ratios[0].round(4))
+    >>> modes = modes_from_run_up(record, "T", 1, "n")
+    >>> float(modes.natural_frequencies[0].round(3)), float(modes.damping_ratios[0].round(4))
     (20.0, 0.02)
     """
     signal, orders = recording[channel], tuple(np.atleast_1d(np.asarray(order, dtype=float)).tolist())

@@ -211,10 +211,10 @@ class _Motions:
         best, node = 0.0, ""
         for _, law in self.network.linear:
             if law.inertia != 0 and len(law.row) == 1 and not self.external.get(next(iter(law.row))):
-                node_of_law = next(iter(law.row))
-                share = self.network.free.in_floats({node_of_law: 1}).get(self.network.free_motions[motion], 0.0)
+                own = next(iter(law.row))
+                share = self.network.free.in_floats({own: 1}).get(self.network.free_motions[motion], 0.0)
                 if abs(share) * float(law.inertia) > best:
-                    best, node = abs(share) * float(law.inertia), f"{node_of_law}: {-torque / share:.6g} N*m"
+                    best, node = abs(share) * float(law.inertia), f"{own}: {-torque / share:.6g} N*m"
         return f'; give the torque of what is driven too, as "{node}"' if node else ""
 
     def _solutions(

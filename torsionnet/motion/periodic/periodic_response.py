@@ -93,8 +93,8 @@ def periodic_response(
     >>> import torsionnet as tn
     >>> rig = tn.Drivetrain("rig", [tn.Inertia("mass", node="a", inertia=1),
     ...     tn.Spring("spring", nodes=("a", "ground"), stiffness=1, cubic=0.1, damping=0.05)])
-    >>> found = rig.periodic_response("a", frequencies=[1.2/6.283185307], excitation={"a": 0.18})
-    >>> sorted((round(float(one.highest[0]), 4), one.stability) for one in found.motions_at(1.2/6.283185307))
+    >>> response = rig.periodic_response("a", frequencies=[1.2/6.283185307], excitation={"a": 0.18})
+    >>> sorted((round(float(at.highest[0]), 4), at.stability) for at in response.motions_at(1.2/6.283185307))
     [(0.4177, 'stable'), (2.2866, 'unstable: leaves'), (2.5456, 'stable')]
     """
     _require(frequencies, speeds, harmonics, subharmonics)

@@ -75,9 +75,9 @@ def parameter_map(
     Examples
     --------
     >>> import numpy as np
-    >>> found = parameter_map(lambda v: v["a"] * v["b"] + v["c"], ("a", np.array([1.0, 2.0])), ("b", np.array([3.0])),
+    >>> highest = parameter_map(lambda v: v["a"] * v["b"] + v["c"], ("a", np.array([1.0, 2.0])), ("b", np.array([3.0])),
     ...     {"c": np.array([0.0, 1.0])}, "largest")
-    >>> found.values.tolist()
+    >>> highest.values.tolist()
     [[4.0], [7.0]]
     """
     size = max((len(column) for column in others.values()), default=1)

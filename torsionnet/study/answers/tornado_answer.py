@@ -52,8 +52,8 @@ def one_at_a_time(function: OfPoints, middle: FloatArray, low: FloatArray, high:
     Examples
     --------
     >>> import numpy as np
-    >>> found = one_at_a_time(lambda p: p[:, 0] + 3 * p[:, 1], np.zeros(2), -np.ones(2), np.ones(2))
-    >>> found.at_high.tolist(), found.order
+    >>> swing = one_at_a_time(lambda p: p[:, 0] + 3 * p[:, 1], np.zeros(2), -np.ones(2), np.ones(2))
+    >>> swing.at_high.tolist(), swing.order
     ([1.0, 3.0], [1, 0])
     """
     d = len(middle)

@@ -89,8 +89,8 @@ class DesignGoals:
     Examples
     --------
     >>> goals = DesignGoals(targets=(DesignTarget("f", 8.0),), limits={"x": QuantityLimit(below=2.0)})
-    >>> found = {"f": np.array([[8.0], [10.0]]), "x": np.array([[1.0], [3.0]])}
-    >>> goals.deviations(found).ravel().tolist(), goals.excess(found).ravel().tolist()
+    >>> values = {"f": np.array([[8.0], [10.0]]), "x": np.array([[1.0], [3.0]])}
+    >>> goals.deviations(values).ravel().tolist(), goals.excess(values).ravel().tolist()
     ([0.0, 0.25], [-0.5, 0.5])
     """
 

@@ -293,8 +293,8 @@ def optimise(
     >>> from torsionnet.study.design.design_goals import DesignGoals, DesignTarget
     >>> k = DesignParameter("k", "N*m/rad", 1e3, 1e2, 1e4, 1e3)
     >>> frequency = lambda values: {"f": np.sqrt(values["k"] / 2.0) / (2 * np.pi)}
-    >>> found = optimise(DesignProblem((k,), DesignGoals((DesignTarget("f", 5.0),)), frequency))
-    >>> round(found.values["k"] / (2 * (10 * np.pi) ** 2), 9)
+    >>> optimum = optimise(DesignProblem((k,), DesignGoals((DesignTarget("f", 5.0),)), frequency))
+    >>> round(optimum.values["k"] / (2 * (10 * np.pi) ** 2), 9)
     1.0
     """
     problem.goals.require_merit()

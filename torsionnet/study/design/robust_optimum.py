@@ -242,7 +242,7 @@ def _judged(judged: RobustQuantities, label: str, values: dict[str, float]) -> S
     return ScatteredDesign(
         label,
         values,
-        {name: float(values_of[0]) for name, values_of in judged(design).items()},
+        {name: float(own[0]) for name, own in judged(design).items()},
         {name: float(samples[name].mean()) for name in shown},
         {name: float(samples[name].std()) for name in shown},
         int(np.sum(kept <= 0)),

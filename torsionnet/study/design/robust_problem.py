@@ -171,17 +171,17 @@ class RobustQuantities:
     def samples(self, designs: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         """Worst values (n, count) in SI over the points of objectives, deviations and limits in n designs' samples."""
         goals, count = self.problem.goals, self.tolerances.count
-        values_at = self._at(designs)
+        at_samples = self._at(designs)
         worst: dict[str, FloatArray] = {}
         for objective in goals.objectives:
             # The worst point of a sample, with the sign that makes large bad.
-            worst[objective.name] = objective.sign * objective.columns(values_at).max(axis=1)
+            worst[objective.name] = objective.sign * objective.columns(at_samples).max(axis=1)
         if goals.targets:
-            worst[DEVIATION] = np.sum(goals.deviations(values_at) ** 2, axis=1)
+            worst[DEVIATION] = np.sum(goals.deviations(at_samples) ** 2, axis=1)
         if goals.limits:
-            worst[EXCESS] = goals.excess(values_at).max(axis=1)
+            worst[EXCESS] = goals.excess(at_samples).max(axis=1)
         for name in goals.limits:
-            worst |= {_side(name, sign): sign * (sign * values_at[name]).max(axis=1) for sign in (1.0, -1.0)}
+            worst |= {_side(name, sign): sign * (sign * at_samples[name]).max(axis=1) for sign in (1.0, -1.0)}
         return {name: values.reshape(-1, count) for name, values in worst.items()}
 
     def _at(self, designs: Mapping[str, FloatArray]) -> Found:

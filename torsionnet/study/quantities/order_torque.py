@@ -202,9 +202,9 @@ class OrderTorque(SpeedQuantity):
     >>> fan = tn.Drivetrain("fan", elements, speeds={"of": "a", "list": ["600 rpm"]}, parameters={"k": 1e4},
     ...     excitations={"blades": {"type": "harmonic", "node": "b", "orders": {2: {"amplitude": "10 N*m"}}}})
     >>> block = VariantBlock(fan, {"k": np.array([1e4, 2e4])}, {}, None)
-    >>> found = OrderTorque(output="torque(shaft)").evaluate(block)
+    >>> torques = OrderTorque(output="torque(shaft)").evaluate(block)
     >>> w = 2 * fan.definition.speeds.values[0]
-    >>> bool(abs(found[1, 0] - abs(10 * 4e4 / (6e4 - 2 * w**2))) < 1e-9)
+    >>> bool(abs(torques[1, 0] - abs(10 * 4e4 / (6e4 - 2 * w**2))) < 1e-9)
     True
     """
 

@@ -63,8 +63,8 @@ def largest(magnitude: Callable[[FloatArray], FloatArray], grid: FloatArray) -> 
 
     Examples
     --------
-    >>> found = largest(lambda f: np.atleast_2d(1 / abs(4 - f**2 + 0.04j * f)), band_grid(1, 10))
-    >>> round(float(found.magnitude[0]), 6), round(float(found.frequency[0]), 6)
+    >>> peaks = largest(lambda f: np.atleast_2d(1 / abs(4 - f**2 + 0.04j * f)), band_grid(1, 10))
+    >>> round(float(peaks.magnitude[0]), 6), round(float(peaks.frequency[0]), 6)
     (12.500625, 1.9998)
     """
     coarse = magnitude(grid)

@@ -121,12 +121,12 @@ class QuantityValue(AnyNumber):
     def coerce(self, raw: object) -> float:
         if isinstance(raw, ValueInUnit):
             return raw
-        value_in_unit = ValueInUnit(super().coerce(raw))
+        written = ValueInUnit(super().coerce(raw))
         value = read_scalar(raw)
         if isinstance(value, Number):
-            value_in_unit.dimension = value.unit_dimension
-            value_in_unit.unit = "" if value.unit_written == CELSIUS else value.unit_written
-        return value_in_unit
+            written.dimension = value.unit_dimension
+            written.unit = "" if value.unit_written == CELSIUS else value.unit_written
+        return written
 
 
 def wrong_unit(value: float | None, quantity: str, unit: str, path: EntryPath) -> Iterator[Fault]:

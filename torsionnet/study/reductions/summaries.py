@@ -48,8 +48,8 @@ class Histogram:
     Examples
     --------
     >>> import numpy as np
-    >>> found = Histogram.of(np.arange(1.0, 1002.0)[:, None]).percentiles([50.0], 1)
-    >>> bool(abs(found[0, 0] - 501.0) < 0.002 * 501)
+    >>> median = Histogram.of(np.arange(1.0, 1002.0)[:, None]).percentiles([50.0], 1)
+    >>> bool(abs(median[0, 0] - 501.0) < 0.002 * 501)
     True
     """
 

@@ -202,7 +202,7 @@ def answer_study(
     for answer in study.answers.values():
         answer.require_extras()
     place = None if folder is None else Path(folder)
-    unanswered = [name for name, answer_asked in study.answers.items() if answer_asked.of_variants]
+    unanswered = [name for name, own in study.answers.items() if own.of_variants]
     if not study.count and unanswered:
         raise UsageError(f"{', '.join(unanswered)}: {no_variants(study.space)}", kind="nothing-varies")
     with (workers or Workers()).executor(place) as executor:

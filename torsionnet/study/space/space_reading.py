@@ -247,7 +247,7 @@ def _root(
 ) -> tuple[FloatArray | None, list[Fault]]:
     random = [name for name, variation in vary.items() if variation.is_random]
     faults = name_faults(correlation, random, [name for name in vary if name not in random])
-    are_bound = all(name in marginals for of_pair in correlation for name in of_pair.between)
+    are_bound = all(name in marginals for pair in correlation for name in pair.between)
     if faults or not correlation or not are_bound:
         return None, faults
     matrix, faults = normal_correlation(correlation, marginals)

@@ -61,7 +61,7 @@ def _order(rows: Sequence[SparseRow]) -> list[int]:
     """Order of a sparse matrix's rows, as indices, in which few columns are begun and unfinished at any time."""
     left, begun, order = set(range(len(rows))), set[int](), list[int]()
     while left:
-        number = min(left, key=lambda number_of_row: (len(set(rows[number_of_row]) - begun), number_of_row))
+        number = min(left, key=lambda row: (len(set(rows[row]) - begun), row))
         left.remove(number)
         begun |= set(rows[number])
         order.append(number)
