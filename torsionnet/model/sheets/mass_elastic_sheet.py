@@ -316,6 +316,7 @@ def parse_sheet(grid: CellGrid, reading: SheetReading = SheetReading()) -> MassE
     gears = tuple(_gears(real))
     notes = [f"decimal {'comma' if values.decimal == ',' else 'point'}", *factors.notes(), *sides.notes(rows.ratios)]
     notes += [f'row {row[0].line}, "{values.label(row)}", is left out' for row in rows.totals]
+    notes += ["each shaft stands in the row of the mass behind it"] * real.is_behind
     notes += map(_gear_note, gears)
     notes += [f'"{one.heading or f"column {one.place + 1}"}" {one.remark or "was not understood and is left out"}'
               for one in columns.all if not one.meaning and (not one.remark or not one.heading)]  # fmt: skip

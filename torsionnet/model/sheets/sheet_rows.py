@@ -21,6 +21,8 @@ GROUND = "ground"
 _EARTH = {"ground", "earth", "fixed", "grund", "erde", "fest"}
 _TOTAL = re.compile(r"(?:total|sum|summe|gesamt|Σ|overall)\b", re.IGNORECASE)
 _LOSSES = ("psi", "eta", "zeta", "magnifier")
+_OF_SHAFTS = ("stiffness", "relative", "outer", "inner", "length", *_LOSSES)
+"""Meanings of the columns of a sheet that say what a shaft is like."""
 Row = Sequence[Cell]
 
 
@@ -76,6 +78,8 @@ class SheetRows:
     links: tuple[SheetLink, ...]
     totals: tuple[Row, ...] = ()
     without_values: tuple[Row, ...] = ()
+    is_behind: bool = False
+    """Whether each shaft stands in the row of the mass behind it, as in German sheets."""
 
     @property
     def ratios(self) -> dict[str, Fraction]:
@@ -107,7 +111,8 @@ def read_rows(values: SheetValues) -> SheetRows:
     reader = _Rows(values)
     reader.read()
     links = reader.connected() if not values.faults else []
-    return SheetRows(tuple(reader.masses.values()), tuple(links), tuple(reader.totals), tuple(reader.without_values))
+    return SheetRows(tuple(reader.masses.values()), tuple(links), tuple(reader.totals),
+                     tuple(reader.without_values), reader.is_behind)  # fmt: skip
 
 
 def _quotient(speed: SheetValue, first: SheetValue) -> Fraction:
@@ -142,6 +147,21 @@ class _Rows:
         self.count: Counter[str] = Counter()
         self.branched = any(self.values.columns.of(key) for key in ("from", "to"))
         self.one_row = any(self._has(row, "inertia") and self._has_link(row) for row in self.all)
+        stiff = [self._has_link(row) for row in self.all]
+        self.is_behind = not self.branched and all(map(self._is_mass, self.all)) and stiff[:1] == [False] and stiff[-1]
+        if self.is_behind:
+            self.all = self._with_shafts_of_next()
+
+    def _with_shafts_of_next(self) -> list[Row]:
+        """Rows with what the row below says of its shaft, which leads from this mass to that one."""
+        places = [one.place for key in _OF_SHAFTS if (one := self.values.columns.of(key))]
+        found = []
+        for row, below in zip(self.all, [*self.all[1:], ()], strict=True):
+            moved = [*row, *(Cell("", row[0].line, 1) for _ in range(len(row), max(places) + 1))]
+            for place in places:
+                moved[place] = below[place] if place < len(below) else Cell("", row[0].line, 1)
+            found.append(moved)
+        return found
 
     def _has(self, row: Row, key: str) -> bool:
         cell = self.values.columns.cell(row, key)
