@@ -43,7 +43,8 @@ def completed(marked: str, label: str) -> str:
 
 
 def test_an_empty_file_begins_with_the_version() -> None:
-    assert labels("|")[0] == "torsionnet"
+    assert labels("|")[:2] == ["torsionnet 1, a new model", "torsionnet"]
+    assert "elements:\n  \ninputs:" in completed("|", labels("|")[0])
     assert completed("|", "torsionnet") == "torsionnet: "
     assert completed("torsionnet: |", "1") == "torsionnet: 1"
     assert "torsionnet" not in labels("torsionnet: 1\n|")
@@ -64,15 +65,15 @@ def test_the_usual_types_are_offered_before_those_that_begin_alike() -> None:
     assert labels(f"{head}in|")[0] == "inertia with node, inertia"
     assert labels(f"{head}s|")[:2] == ["spring with nodes, stiffness", "shaft with nodes, outer_diameter, length"]
     assert labels("elements: {m: {type: |")[:3] == ["inertia", "spring", "damper"]
-    assert completed(f"{head}gea|", "gear with nodes, ratio").endswith("m: {type: gear, nodes: , ratio: }")
+    assert completed(f"{head}gea|", "gear with nodes, ratio").endswith("m: {type: gear, nodes: [x, y], ratio: }")
 
 
 def test_a_whole_element_is_laid_out_like_its_neighbours() -> None:
     flow = "elements:\n  a: {type: lock, node: x}\n  m: |"
     label = "inertia with node, inertia"
-    assert completed(flow, label).endswith("  m: {type: inertia, node: , inertia: }")
+    assert completed(flow, label).endswith("  m: {type: inertia, node: x, inertia: }")
     block = "elements:\n  a:\n    type: lock\n    node: x\n  m: |"
-    assert completed(block, label).endswith("  m: \n    type: inertia\n    node: \n    inertia: ")
+    assert completed(block, label).endswith("  m: \n    type: inertia\n    node: x\n    inertia: ")
     below = "elements:\n  m:\n    |"
     assert completed(below, label).endswith("  m:\n    type: inertia\n    node: \n    inertia: ")
     within = "elements:\n  m: {|}"
@@ -187,7 +188,30 @@ def test_an_item_of_a_list_begins_with_any_of_its_entries() -> None:
     assert labels(start + "|")[:3] == ["revision", "date", "description"]
     assert labels(start + "x|") == []
     assert "type" in labels("bench:\n  channels:\n    - |")
-    assert labels("elements:\n  m: {type: spring, damping: |") == []  # no item of a list
+    assert labels("elements:\n  m: {type: spring, damping: |") == ["zeta with at"]  # no item of a list
+
+
+@pytest.mark.parametrize(
+    ("last", "nodes"),
+    [("a", "[a, b]"), ("n9", "[n9, n10]"), ("shaft_z", "[shaft_z, ]"), ("crank", "[crank, ]"), ("c", "[c, d]")],
+)
+def test_an_element_takes_the_nodes_that_come_next(last: str, nodes: str) -> None:
+    head = f"elements:\n  m: {{type: inertia, node: {last}, inertia: 1}}\n  s: "
+    assert completed(f"{head}spr|", "spring with nodes, stiffness").endswith(f"nodes: {nodes}, stiffness: }}")
+    assert completed(f"{head}ine|", "inertia with node, inertia").endswith(f"node: {last}, inertia: }}")
+    assert completed(f"{head}{{type: spring, nod|}}", "nodes").endswith("nodes: [, ]}")
+    assert completed(f"{head}gearbox|", "gearbox with input, output").endswith("input: , output: }")
+
+
+def test_inputs_and_sensors_are_offered_as_a_whole() -> None:
+    head = "elements:\n  m: {type: inertia, node: a, inertia: 1}\n  s: {type: spring, nodes: [a, b], stiffness: 1}\n"
+    assert completed(f"{head}inputs:\n  T: t|", "torque of a").endswith("T: {torque: a}")
+    assert labels(f"{head}sensors:\n  T: t|")[0] == "torque of s"
+
+
+def test_a_parameter_is_offered_the_units_its_letter_stands_for() -> None:
+    assert labels("parameters:\n  k_1: 13.3 k|")[0] == "kN*m/rad"
+    assert labels("parameters:\n  J_1: 13.3 k|")[0] == "kg*m^2"
 
 
 def test_bands_have_units() -> None:
@@ -255,7 +279,7 @@ def test_the_first_model_of_the_readme_is_written_with_completion() -> None:
         taken += 1
     model = tn.loads(text)
     assert model.definition.to_data() == tn.loads(wanted).definition.to_data()
-    assert taken >= 35
+    assert taken >= 30
 
 
 def leads_on(text: str, option: Completion, wanted: str, at: int) -> bool:

@@ -8,10 +8,12 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import count
 
 from torsionnet.base.entries.spec import Json
 from torsionnet.base.errors import EntryPath, UsageError
-from torsionnet.model.files.located_yaml import LocatedDocument, LocatedNode
+from torsionnet.base.plain_names import plain_name
+from torsionnet.model.files.located_yaml import LocatedDocument, LocatedNode, compose
 from torsionnet.model.files.value_editing import node_at
 from torsionnet.model.files.writer import flow_text
 
@@ -301,3 +303,41 @@ class WrittenText:
         keys = list(parent.entries)
         place = keys.index(path[-1]) + 1
         return parent.entries[keys[place]] if place < len(keys) else None
+
+
+def as_parameter(text: str, element: str, entry: str, symbol: str, file: str = "") -> list[TextEdit]:
+    """Edits that make the number of an element's entry a parameter of the model, named after both.
+
+    Raises
+    ------
+    UsageError
+        The text has no such number.
+
+    Examples
+    --------
+    >>> text = "elements:\\n  motor: {type: inertia, node: a, inertia: 0.078 kg*m^2}\\n"
+    >>> print(edited(text, as_parameter(text, "motor", "inertia", "J")))
+    parameters:
+      J_motor: 0.078 kg*m^2
+    elements:
+      motor: {type: inertia, node: a, inertia: J_motor}
+    <BLANKLINE>
+    """
+    document = compose(text.removeprefix("\ufeff"), file)
+    written = WrittenText(text, document, file.lower().endswith(".json"))
+    node = written.node(("elements", element, entry))
+    if isinstance(node.value, (dict, list)):
+        raise UsageError(f"{entry} of {element} is no number", kind="wrong-form")
+    parameters = node_at(document, ("parameters",))
+    taken = parameters.entries if parameters else {}
+    stem = plain_name(f"{symbol}_{element}")
+    name = next(one for number in count(1) if (one := stem if number == 1 else f"{stem}_{number}") not in taken)
+    use = written.replacement(("elements", element, entry), name)
+    if parameters:
+        return [written.insertion(("parameters",), name, node.value), use]
+    start, pair = written.key_start(written.node(("elements",))), written.entry_text(name, node.value)
+    if written.is_json or written.is_flow(written.node(())):
+        new = f"{written.written('parameters')}: {{{pair}}}, "
+    else:
+        new = f"parameters:{written.line_break}{STEP}{pair}{written.line_break}"
+    return [TextEdit(TextSpan(start, start), new), use]

@@ -176,12 +176,14 @@ class Declared:
         at_home: set[str] = set()
         for key in raw:
             if key not in known:
-                # A comma in a text without quotes makes such a key.
-                comma = "text with a comma needs quotes; " if raw[key] is None else ""
                 run_together = _run_together(key, known, raw) if raw[key] is None else None
                 home = next((one for one, spec in specs.items() if key in spec.keys_within and one not in raw), None)
                 if home is None:
-                    faults.append(run_together or unknown_key(key, known, (key,), comma + rest))
+                    found = run_together or unknown_key(key, known, (key,), rest)
+                    # A comma in a text without quotes makes a key without a value; one that is begun is like another.
+                    if raw[key] is None and not found.meant and found is not run_together:
+                        found = unknown_key(key, known, (key,), f"text with a comma needs quotes; {rest}")
+                    faults.append(found)
                     continue
                 # A way to give the value of an entry, which stands beside it instead of in it.
                 at_home.add(home)

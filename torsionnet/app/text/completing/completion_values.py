@@ -36,7 +36,7 @@ from torsionnet.base.units import (
     parse_quantity,
     parse_unit,
 )
-from torsionnet.model.channels import ELEMENT_QUANTITIES, ChannelEntry, ChannelName
+from torsionnet.model.channels import ELEMENT_QUANTITIES, ChannelEntry, ChannelName, Sensor
 from torsionnet.model.configurations import ChangedEntry
 from torsionnet.model.damping import MEASURES, DampingQuantity, LossFactor
 from torsionnet.model.element_base.element import ELEMENT_TYPES
@@ -66,6 +66,8 @@ USUAL_TYPES = (
 """Element types that most models are made of, which are offered before the others."""
 _USUAL_ENTRIES = {"spring": ("stiffness",), "flexible_coupling": ("stiffness",), "gear": ("ratio",)}
 """Entries that nearly every element of a type has though another one can take their place, by type."""
+NEW_MODEL = "torsionnet: 1\nname: \nparameters:\n  \nelements:\n  \ninputs:\n  \nsensors:\n  \n"
+"""Text that a model begins with where nothing stands yet."""
 _COLON = re.compile(r"\w*\s*:(\s|$)")
 
 
@@ -89,6 +91,8 @@ def key_options(writing: Writing) -> Iterator[CompletionOption]:
 
 def _entries(writing: Writing, cls: type[Declared], given: Mapping[Any, Any]) -> Iterator[CompletionOption]:
     specs, required = dict(cls.specs()), cls.required()
+    if not given and not writing.text.strip(f"{writing.word}\n\r "):
+        yield CompletionOption("torsionnet 1, a new model", "word", NEW_MODEL, "sections to be filled", "Tab goes on")
     for name in cls.head:
         if name not in given:
             yield CompletionOption(name, "entry", _with_colon(writing, name), "required", "version of the file format")
@@ -109,7 +113,7 @@ def _with_colon(writing: Writing, name: str, spec: Spec[Any] | None = None) -> s
         return name
     if not writing.is_flow and holds_entries(spec):
         return f"{name}:\n{' ' * (writing.context.indent + 2)}"
-    return f"{name}: "
+    return f"{name}: [, ]" if isinstance(spec, NodePair) else f"{name}: "
 
 
 def _name_options(writing: Writing, spec: Spec[Any], given: Mapping[Any, Any]) -> Iterator[CompletionOption]:
@@ -162,7 +166,12 @@ def typed_options(writing: Writing, spec: Typed[Any], *, opens: bool = False) ->
     """
     for kind, cls in usual_first(spec):
         needed = (*cls.required(), *(_USUAL_ENTRIES.get(kind, ()) if kind_of(spec) == "element type" else ()))
-        lines = [f"{spec.key}: {kind}", *(f"{name}: " for name in needed)]
+        specs = dict(cls.specs())
+        is_one = sum(isinstance(specs.get(name), NodeName) for name in needed) == 1
+        lines = [
+            f"{spec.key}: {kind}",
+            *(f"{name}: {_next_nodes(writing, specs.get(name), is_one)}" for name in needed),
+        ]
         label = f"{kind} with {', '.join(needed)}" if needed else kind
         if writing.is_flow or (opens and _neighbours_are_flow(writing)):
             insert = ", ".join(lines)
@@ -171,6 +180,22 @@ def typed_options(writing: Writing, spec: Typed[Any], *, opens: bool = False) ->
             indent = writing.context.indent + (2 if opens else 0)
             insert = f"\n{' ' * indent}".join(["", *lines] if opens else lines)
         yield CompletionOption(label, kind_of(spec), insert, spec.what, summary(cls))
+
+
+def _next_nodes(writing: Writing, spec: Spec[Any] | None, is_one: bool) -> str:
+    """Nodes of the next element along the line: its last node, or that and the following one by letter or number.
+
+    >>> from torsionnet.app.text.completion import completions
+    >>> text = "elements:\\n  motor: {type: inertia, node: a, inertia: 1}\\n  shaft: spr"
+    >>> completions(text, len(text))[0].insert
+    '{type: spring, nodes: [a, b], stiffness: }'
+    """
+    last = writing.names.nodes[-1] if writing.names.nodes else ""
+    if isinstance(spec, NodePair):
+        stem, letter, digits = re.fullmatch(r"(.*?)((?<![A-Za-z])[A-Za-y]|)(\d*)", last).groups()
+        following = f"{stem}{letter}{int(digits) + 1}" if digits else f"{stem}{chr(ord(letter) + 1)}" if letter else ""
+        return f"[{last}, {following}]"
+    return last if isinstance(spec, NodeName) and is_one else ""
 
 
 def usual_first(spec: Typed[Any]) -> list[tuple[str, type[Declared]]]:
@@ -282,12 +307,19 @@ def value_options(writing: Writing, spec: Spec[Any] | None) -> Iterator[Completi
         yield from (CompletionOption(name, "word", name, "catalogue") for name in _catalogues(writing.folder))
     elif isinstance(spec, PairEntry):
         yield from _pair(writing)
+    elif isinstance(spec, ChannelEntry) and not writing.word.startswith("{"):
+        yield from _channels(writing, spec)
     elif isinstance(spec, NodePair | Listed | PairOf) or type(spec).__name__ == "ListOf":
         yield from _list(writing, spec)
     else:
         yield from _words(spec, writing.folder)
         yield from _rows_by_name(writing, spec)
         yield from _names(writing, spec)
+        if isinstance(spec, DampingQuantity) and "zeta".startswith(writing.word):
+            text = "damping ratio at a frequency"
+            yield CompletionOption(
+                "zeta with at", "word", "{zeta: , at:  Hz}", text, f"{text}, from which c is calculated"
+            )
         yield from _quantities(writing, spec)
 
 
@@ -299,6 +331,17 @@ def _kinds(writing: Writing, typed: Typed[Any]) -> Iterator[CompletionOption]:
     if not entries.keys() - {typed.key} and not writing.after.strip(" }"):
         for option in typed_options(writing, typed):
             yield option._replace(insert=option.insert.removeprefix(f"{typed.key}: "))
+
+
+def _channels(writing: Writing, spec: ChannelEntry[Any]) -> Iterator[CompletionOption]:
+    """Options for what an input drives or a sensor shows, of each node or of each element between nodes."""
+    joined = [
+        name for name, raw in writing.names.table("elements").items() if isinstance(raw, Mapping) and "nodes" in raw
+    ]
+    for quantity in sorted(spec.quantities, key=lambda one: one != "torque"):
+        of_element = quantity in ELEMENT_QUANTITIES and spec.made is Sensor
+        for name in joined if of_element else writing.names.nodes:
+            yield CompletionOption(f"{quantity} of {name}", "sensor", f"{{{quantity}: {name}}}", quantity)
 
 
 def _words(spec: Spec[Any], folder: Path | None) -> Iterator[CompletionOption]:
@@ -430,6 +473,10 @@ def _dimension(raw: Any) -> Dimension | None:
         return None
 
 
+_USUAL_LETTERS = {"k": "stiffness", "c": "damping", "J": "inertia", "I": "inertia", "T": "torque", "f": "frequency"}
+"""Dimension that the letter of a parameter stands for in most models, by letter."""
+
+
 def _units_in_use(writing: Writing) -> tuple[str, ...]:
     """Units for a value of any dimension: those that fit where the parameter is used or defined come first."""
     path, names = writing.place.path, writing.names
@@ -441,6 +488,8 @@ def _units_in_use(writing: Writing) -> tuple[str, ...]:
             specs = dict(ELEMENT_TYPES[kind].specs())
             used = (getattr(specs.get(key), "dimension", None) for key, value in raw.items() if value == parameter)
             first += [unit for one in used if one in DIMENSIONS for unit in units_of(str(one))]
+    by_name = _USUAL_LETTERS.get(parameter.partition("_")[0], "")
+    first += units_of(by_name) if by_name and not first else ()
     written = _written(_part_or_own(writing, parameter))
     own = _dimension(written)
     if own is not None:
