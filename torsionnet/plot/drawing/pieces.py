@@ -180,6 +180,15 @@ def symbol_runs(text: str) -> list[TextRun]:
     return found
 
 
+def plain_symbols(text: str) -> str:
+    r"""Text of a label without its markup for symbols.
+
+    >>> plain_symbols("$k_{\\mathrm{1}}$ = 460 N·m/rad")
+    'k_1 = 460 N·m/rad'
+    """
+    return "".join(f"_{run.text}" if run.style == "index" else run.text for run in symbol_runs(text))
+
+
 @lru_cache(maxsize=4096)
 def symbols_width(text: str) -> float:
     """Width of a label with symbols in hundredths of the size of its font, rounded up as matplotlib does."""

@@ -21,6 +21,7 @@ from torsionnet.plot.drawing.pieces import (
     Piece,
     Stroke,
     is_math,
+    plain_symbols,
     symbol_runs,
 )
 from torsionnet.plot.schematics.arrangement import PAPER_WIDTH, arranged, framed, page_width
@@ -93,17 +94,8 @@ def _element_title(element: Element, values: Any) -> str:
     """Title of an element, as "shaft_1, spring, gearbox to car: k_1 = 460 N·m/rad"."""
     ends = [node for node in dict.fromkeys(element.ports.values()) if node != GROUND]
     joined = " to ".join(ends) + (" to ground" if GROUND in element.ports.values() and ends else "")
-    lines = ", ".join(_plain(line) for line in value_lines(element, values))
+    lines = ", ".join(map(plain_symbols, value_lines(element, values)))
     return f"{element.name}, {element.kind.replace('_', ' ')}, {joined}{': ' if lines else ''}{lines}"
-
-
-def _plain(text: str) -> str:
-    r"""Text of a label without its markup for symbols.
-
-    >>> _plain("$k_{\\mathrm{1}}$ = 460 N·m/rad")
-    'k_1 = 460 N·m/rad'
-    """
-    return "".join(f"_{run.text}" if run.style == "index" else run.text for run in symbol_runs(text))
 
 
 def _id(kind: str, name: str, taken: set[str]) -> str:
