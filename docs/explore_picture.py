@@ -107,6 +107,8 @@ def main() -> None:
             visit(browser, server.address, viewport=TALL) as found,
         ):
             pin_and_change_oil_damping(found)
+            found.page.click("#choosing")
+            found.page.wait_for_timeout(300)
             found.page.screenshot(path=str(PICTURE))
         with (
             serving("marine_medium_speed", over_speed=["T_crank"]) as server,
@@ -114,6 +116,8 @@ def main() -> None:
         ):
             hide(found, "Text", "Schematic")
             pin_and_soften_damper(found)
+            found.page.click("#choosing")
+            found.page.wait_for_timeout(300)
             found.page.screenshot(path=str(OVER_SPEED))
         with (
             contextlib.chdir(folder),  # for a short command at the bottom
@@ -122,6 +126,8 @@ def main() -> None:
         ):
             hide(found, "Schematic")
             pin_and_reduce_torque(found)
+            found.page.click("#choosing")
+            found.page.wait_for_timeout(300)
             found.page.screenshot(path=str(POINT))
         browser.close()
 

@@ -52,7 +52,7 @@ class TestClosedForms:
         assert abs(swing["nodes"]["a"][1] - swing["nodes"]["b"][1]) == pytest.approx(math.pi, abs=2 * ROUNDED)
         assert swing["damping_ratio"] == pytest.approx(0, abs=1e-12)
         assert swing["strain"] == {"k": 1.0}
-        assert found["elements"]["k"] == {"nodes": ["a", "b"]}
+        assert found["elements"]["k"] == {"type": "spring", "nodes": ["a", "b"], "values": "k = 900 N·m/rad"}
 
     @pytest.mark.parametrize("ratio", [4.0, -2.5])
     def test_a_node_behind_a_rigid_gear_turns_by_its_ratio(self, ratio):

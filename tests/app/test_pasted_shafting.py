@@ -48,3 +48,18 @@ def test_a_pasted_table_has_the_frequencies_of_the_ship(heading, number):
     assert found["text"].splitlines()[2] == "source: pasted mass-elastic table"
     assert "damping: 80" in found["text"]
     assert "900" in found["text"]
+
+
+def test_shafts_in_the_row_of_the_mass_behind_them():
+    """As German sheets have them: every shaft one row further down, in all its columns."""
+    heading, *rows = [line.split("\t") for line in table(HEADINGS["German"]).splitlines()]
+    for before, row in reversed(list(zip([[""] * 8, *rows], rows, strict=False))):
+        row[3], row[5:] = before[3], before[5:]
+    found = pasted_model("\n".join("\t".join(line) for line in (heading, *rows)))
+    assert "each shaft stands in the row of the mass behind it" in found["notes"]
+    assert found["text"] == pasted_model(table(HEADINGS["German"]))["text"]
+
+
+def test_a_unit_that_is_missing_is_asked_for():
+    found = pasted_model("mass\tJ [kg*m^2]\tk\na\t1\t2\nb\t3\t")
+    assert [(one["line"], one["heading"], one["units"][0]) for one in found["asked"]] == [(1, "k", "N*m/rad")]

@@ -82,6 +82,11 @@ class Visit:
             quiet = quiet + 1 if self.page.evaluate("globalThis.torsionnet.underWay()") == 0 else 0
             time.sleep(0.03)
 
+    def keep(self, way):
+        """Choose another way of saving from the menu."""
+        self.page.click("#more")
+        self.page.click(f"#{way}")
+
     def text(self, selector):
         return self.page.inner_text(selector)
 
@@ -90,6 +95,7 @@ class Visit:
 def visit(browser, address, **options):
     """The page behind an address, ready."""
     context = browser.new_context(accept_downloads=True, **options)
+    context.add_init_script("localStorage.setItem('torsionnet choosers', 'open')")
     found = Visit(context.new_page())
     found.page.on("console", lambda message: found.console.append(message.text))
     found.page.on("pageerror", lambda error: found.console.append(str(error)))

@@ -43,8 +43,9 @@ def mode_motion(rig: Drivetrain, modes: Modes) -> dict[str, Any]:
         ``modes``: rows with ``frequency_hz`` (natural, 0 of a rigid body), ``damped_hz``, ``damping_ratio`` (None of a
         rigid body), ``kind``, ``name``, ``description``, ``nodes``, which gives each node its amplitude, 1 at the node
         that moves most, and its phase in rad, and ``strain``, the shares of elements in the strain energy.
-        ``elements``: for each element the nodes at its ends under ``nodes``, ground included, and ``mean_torque``
-        in N m where mean torques determine it. ``notes``: what to know of the modes.
+        ``elements``: for each element its ``type``, the nodes at its ends under ``nodes``, ground included, its main
+        ``values`` in words, and ``mean_torque`` in N m where mean torques determine it. ``notes``: what to know of the
+        modes.
 
     Examples
     --------
@@ -55,11 +56,18 @@ def mode_motion(rig: Drivetrain, modes: Modes) -> dict[str, Any]:
     >>> [(mode["name"], mode["nodes"]["a"]) for mode in found["modes"]]
     [('rigid body', [1.0, 0.0]), ('1', [0.5, 3.141593])]
     """
+    from torsionnet.plot.drawing.labels import value_lines  # what draws is loaded by pages that show it
+    from torsionnet.plot.drawing.pieces import plain_symbols
+
     torques = mean_torques(rig)
     return {
         "modes": [_mode(modes, number) for number in range(len(modes))],
         "elements": {
-            name: {"nodes": list(dict.fromkeys(element.ports.values()))}
+            name: {
+                "type": element.kind.replace("_", " "),
+                "nodes": list(dict.fromkeys(element.ports.values())),
+                "values": ", ".join(map(plain_symbols, value_lines(element, rig.exact_values))),
+            }
             | ({"mean_torque": torques[name]} if name in torques else {})
             for name, element in rig.elements.items()
         },

@@ -13,9 +13,9 @@ from torsionnet.app.explore.document import Answer, Document, OffsetCounting
 from torsionnet.app.explore.documents import Documents
 from torsionnet.app.explore.session import Session
 from torsionnet.app.explore.state import PageRequest, State, read_request, read_state
-from torsionnet.app.text.text_edits import TextSpan
+from torsionnet.app.text.text_edits import TextSpan, as_parameter
 from torsionnet.base.delimited.cell_grid import parse_grid
-from torsionnet.base.errors import ModelError, TorsionnetError, UsageError
+from torsionnet.base.errors import Fault, ModelError, TorsionnetError, UsageError
 from torsionnet.model.files.library import MOST_BYTES
 from torsionnet.model.sheets.mass_elastic_sheet import parse_sheet
 from torsionnet.model.sheets.meanings import BY_KEY
@@ -135,6 +135,12 @@ def _paste(document: Document, request: PageRequest) -> Answer:
     return pasted_model(table) if len(table) <= MOST_SERVED else {"no_table": True}
 
 
+def _parameter(document: Document, request: PageRequest) -> Answer:
+    asked = TextQuestion(document, request, "element", "entry", "symbol")
+    named = (request.short(key) for key in ("element", "entry", "symbol"))
+    return {"edits": asked.counting.edits(as_parameter(asked.text, *named, asked.file))}
+
+
 TEXT_QUESTIONS: Mapping[str, Callable[[Document, PageRequest], Answer]] = {
     "api/text": _changed,
     "api/complete": _complete,
@@ -145,6 +151,7 @@ TEXT_QUESTIONS: Mapping[str, Callable[[Document, PageRequest], Answer]] = {
     "api/format": _format,
     "api/outline": _outline,
     "api/paste": _paste,
+    "api/parameter": _parameter,
 }
 """Answers to requests on a text by their paths."""
 
@@ -154,6 +161,8 @@ TEXT_QUESTIONS: Mapping[str, Callable[[Document, PageRequest], Answer]] = {
 Make: TypeAlias = Callable[[Session, State], dict[str, Any]]
 MOST_MOVING = 12
 """Number of lowest modes of a large model that the page can move; each more takes time while the text is written."""
+UNBROKEN = 1e6
+"""Width in mm of a page on which no line of shafts is broken; the page zooms and pans."""
 BYTES_OF_MOTION = 100
 """Size in bytes of the motion of one node in one mode, roughly."""
 
@@ -184,7 +193,7 @@ def motion_answer(session: Session, state: State) -> dict[str, Any]:
 def _schematic(session: Session, state: State) -> dict[str, Any]:
     from torsionnet.plot.schematics.svg_drawing import schematic_svg  # what draws is loaded by pages that show it
 
-    drawing = schematic_svg(session.model_for(state))
+    drawing = schematic_svg(session.model_for(state), width=UNBROKEN)  # along one line, as the mode shapes below it
     return {
         "svg": drawing.svg,
         "elements": dict(drawing.elements),
@@ -365,10 +374,18 @@ def pasted_model(table: str) -> dict[str, Any]:
         sheet = parse_sheet(grid)
         text = sheet_drivetrain(sheet).to_yaml().replace(f"mass-elastic sheet {TABLE}", "pasted mass-elastic table", 1)
     except ModelError as error:
-        return {
-            "refused": [f"line {one.position.line}: {one.text}" if one.position else one.text for one in error.faults]
-        }
+        said = [f"line {one.position.line}: {one.text}" if one.position else one.text for one in error.faults]
+        wanting = [_unit_asked(one) for one in error.faults if one.kind == "missing-unit"]
+        return {"refused": said} | ({"asked": wanting} if len(wanting) == len(said) else {})
     except TorsionnetError as error:
         return {"refused": [str(error)]}
     notes = [f'"{one.heading}": {BY_KEY[one.meaning].shown}' for one in sheet.columns if one.meaning]
     return {"text": text, "notes": [*notes, *sheet.notes]}
+
+
+def _unit_asked(fault: Fault) -> dict[str, Any]:
+    """Line and heading of a column without unit as JSON data, with the units that it may have."""
+    from torsionnet.app.text.completing.completion_values import units_of
+
+    assert fault.position is not None
+    return {"line": fault.position.line, "heading": fault.about, "units": list(units_of(fault.meant))}

@@ -14,9 +14,8 @@ from threading import Condition, Lock
 from typing import Any, Generic, TypeVar
 
 from torsionnet.app.explore.over_speed import runs
-from torsionnet.app.explore.session import ResponseChoice, Session, default_pair
+from torsionnet.app.explore.session import ResponseChoice, Session, opening_state
 from torsionnet.app.explore.sliders import point_settings
-from torsionnet.app.explore.state import State
 from torsionnet.app.text.text_edits import TextEdit, TextLines, TextSpan
 from torsionnet.app.text.text_faults import LocatedFault, stretched_faults, text_faults
 from torsionnet.app.text.unstable_configurations import unstable_configurations
@@ -88,11 +87,8 @@ def remade_session(base: Drivetrain, text: str, options: SessionOptions) -> Sess
     choice = _choice(base, options.configuration)
     values = _values(base, choice, {name: value for name, value in options.settings.items() if name not in point})
     pairs = tuple(pair for pair in options.pairs if _is_known(base, pair))
-    first = pairs[0] if pairs else default_pair(base, options.overlay)
-    start = State(choice, values, first.output, first.input, band=options.band or (0.0, 0.0))
     over_speed = options.over_speed if runs(base) else ()
-    if over_speed:
-        start = replace(start, axis="speed", output=over_speed[0])
+    start = opening_state(base, choice, values, pairs, options.band or (0.0, 0.0), options.overlay, over_speed)
     if options.opened is not None and options.opened.text == text:
         start = options.opened.start
     return Session(

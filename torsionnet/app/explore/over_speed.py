@@ -190,34 +190,38 @@ CURVES_ALONE = "torsionnet limits finds the ranges to be barred, in each case of
 """Note on limits of a model with many cases of excitation, whose barred ranges would take the page too long."""
 
 
-def speed_limits(rig: Drivetrain, run: OrderResponse) -> dict[str, Any]:
+def speed_limits(rig: Drivetrain, run: OrderResponse, *, rough: bool = False) -> dict[str, Any]:
     """Allowed half ranges of the first output at the speeds of its run, and ranges to be barred, as JSON data.
 
-    Allowed values are in the SI unit of the output: of a limit of stress, the torque that causes that stress. No speeds
-    are added to those of the run. With several cases of excitation there are curves and no ranges.
+    Allowed values are in the SI unit of the output: of a limit of stress, the torque that causes that stress. Ranges
+    are barred by the limits of any output: a machine passes through all of them. No speeds are added to those of the
+    run. With several cases of excitation there are curves and no ranges.
 
     Parameters
     ----------
     rig : Drivetrain
     run : OrderResponse
+    rough : bool
+        Only the limits of the first output.
     """
-    subject = limit_subject(rig.definition, rig.exact_values)
+    subject, active = _active_limits(rig)
     output = run.outputs[0].name
     shown = named_sensor(output, rig.definition.sensors) or Sensor("angle", output)
-    fitted = {name: limit.fitted(rig.definition.elements) for name, limit in rig.definition.limits.items()}
     concerned = {
         name: limit
-        for name, limit in fitted.items()
-        if not limit.switched_off(subject) and _factor(shown, limit.order_sensors(subject), 1.0, subject) is not None
+        for name, limit in active.items()
+        if _factor(shown, limit.order_sensors(subject), 1.0, subject) is not None
     }
-    if not concerned:
-        return {"limits": [], "barred": [], "limit_notes": []}
     cheap = isinstance(run, WorstResponse)
+    asked = concerned if rough or cheap else active
+    if not asked:
+        return {"limits": [], "barred": [], "limit_notes": []}
     speeds = _few(run.speeds, concerned.values(), subject) if cheap else run.speeds
     try:
-        verdicts = rig.check_limits(list(concerned), speeds=speeds, refine=False).verdicts
+        every = rig.check_limits(list(asked), speeds=speeds, refine=False).verdicts
     except UsageError as error:
         return {"limits": [], "barred": [], "limit_notes": [str(error)]}
+    verdicts = [one for one in every if one.limit in concerned]
     curves = [
         {"name": _name(one), "allowed": json_numbers(np.interp(run.speeds, speeds, one.allowed / factor)),
          "in_passing": one.in_passing}
@@ -229,13 +233,39 @@ def speed_limits(rig: Drivetrain, run: OrderResponse) -> dict[str, Any]:
     if cheap:
         return {"limits": curves, "barred": [], "limit_notes": [CURVES_ALONE, *also]}
     barred = [
-        {"name": _name(one), "from": span.low * RPM, "to": span.high * RPM} for one in verdicts for span in one.barred
+        {"name": _name(one), "from": span.low * RPM, "to": span.high * RPM} for one in every for span in one.barred
     ]
-    return {
-        "limits": curves,
-        "barred": barred,
-        "limit_notes": [*_failures(verdicts), *[ROUGH_ENDS][: len(barred)], *also],
-    }
+    return {"limits": curves, "barred": barred, "limit_notes": [*_failures(every), *[ROUGH_ENDS][: len(barred)], *also]}
+
+
+def _active_limits(rig: Drivetrain) -> tuple[LimitSubject, dict[str, Limit]]:
+    """Subject that limits judge, and the limits that are not switched off."""
+    subject = limit_subject(rig.definition, rig.exact_values)
+    fitted = {name: limit.fitted(rig.definition.elements) for name, limit in rig.definition.limits.items()}
+    return subject, {name: limit for name, limit in fitted.items() if not limit.switched_off(subject)}
+
+
+def limited_output(rig: Drivetrain) -> str:
+    """Name of the first stress or torque that a limit of the model judges over its speeds, empty where there is none.
+
+    A torque that a limit of stress judges is shown as the stress.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> limited_output(tn.load("bulk_carrier")), limited_output(tn.load("amt_rig"))
+    ('stress(int_shaft)', '')
+    """
+    if not runs(rig) or not rig.definition.limits:
+        return ""
+    subject, active = _active_limits(rig)
+    judged = [sensor for limit in active.values() for sensor in limit.order_sensors(subject)]
+    first = next((one for one in judged if one.quantity in ("stress", "torque")), None)
+    if first is None:
+        return ""
+    stress = Sensor("stress", first.of)
+    found = stress if _factor(stress, [first], 1.0, subject) is not None else first
+    return next((name for name, one in rig.sensors.items() if one == found), str(found))
 
 
 def _few(speeds: FloatArray, limits: Iterable[Limit], subject: LimitSubject) -> FloatArray:
@@ -345,9 +375,10 @@ def over_speed(
         "orders": [{"name": one["name"], "magnitude": one.pop("curve")} for one in tested] or _largest(run),
         "tested": tested,
         "count": len(run.lines),
-        "thinned": thinned,
+        "lines": [{"name": str(one), "slope": float(one.relative) / 60, "fixed": one.fixed} for one in run.lines],
+        "thinned": thinned or (rough and bool(rig.definition.limits)),
         "notes": list(map(str, run.notes)),
-        **speed_limits(rig, run),
+        **speed_limits(rig, run, rough=rough),
     }
 
 

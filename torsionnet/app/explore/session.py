@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from torsionnet.app.explore.over_speed import overlay_data, runs
+from torsionnet.app.explore.over_speed import limited_output, overlay_data, runs
 from torsionnet.app.explore.sliders import all_point_rows, point_rows, point_settings, with_balance
 from torsionnet.app.explore.state import State
-from torsionnet.base.entries.scalars import read_scalar
+from torsionnet.base.entries.scalars import QuantityKind, read_scalar
 from torsionnet.base.errors import TorsionnetError, UsageError
+from torsionnet.base.expressions import Number
 from torsionnet.base.registers import RecentResults
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.linear.dynamic_stiffness.transfer_request import usable_channels
@@ -148,6 +150,8 @@ NO_POINT = (
 """Words instead of sliders for the operating point of a model that has none."""
 BAND_WITHOUT_MODES = (1.0, 1000.0)
 """Frequency band in Hz of a page whose operating point is out of balance; most torsional vibrations lie in it."""
+MOST_NUMBERS = 200
+"""Number of numbers of elements that the page offers to make parameters of; nobody looks through more."""
 MOST_SURVEYED = 24
 """Number of configurations whose modes are calculated to find the first frequency band; each costs a solution."""
 
@@ -257,6 +261,7 @@ class Session:
                 {"name": name, "description": own.description} for name, own in self.base.parameter_definitions.items()
             ],
             "operating_point": self._operating_point(),
+            "numbers": list(islice(_numbers(self.base), MOST_NUMBERS)),
             "axes": {axis: list(names) for axis, names in self.base.axes.items()},
             "choices": choices(self.base, self.pairs, self.over_speed),
             "runs": runs(self.base),
@@ -288,6 +293,14 @@ class Session:
             for name, value in self.given_values(state).items()
         }
         return changed_text(self.text, self.base.definition, changes, self.file, self.folder)
+
+
+def _numbers(rig: Drivetrain) -> Iterator[dict[str, str]]:
+    """Numbers of elements that could become parameters: element, entry, symbol and what is written."""
+    for name, element in rig.definition.elements.items():
+        for entry, (spec, value) in element.scalars().items() if "." not in name else ():
+            if isinstance(spec, QuantityKind) and isinstance(value, Number) and value.value and spec.symbol:
+                yield {"element": name, "entry": entry, "symbol": spec.symbol, "written": str(value)}
 
 
 def open_session(
@@ -347,10 +360,8 @@ def open_session(
     base = base.configured(**point) if point else base
     values = {key: value for key, value in values.items() if key not in point}
     base.configured(configuration, **values)  # refuses what is impossible before a page is opened
-    first = pairs[0] if pairs else default_pair(base, test)
-    start = State(choice, values, first.output, first.input, band=band or _band(base))
+    start = opening_state(base, choice, values, pairs, band or _band(base), test, over_speed)
     if over_speed:
-        start = replace(start, axis="speed", output=over_speed[0])
         found = base.order_response(list(over_speed))  # refuses a name that is none
         if measured is not None:
             _check_orders(measured, found)
@@ -368,6 +379,23 @@ def open_session(
         asked = session.with_defaults(replace(start, output=pair.output, input=pair.input))
         base.frequency_response(asked.output, asked.input, [1.0], driven_by=asked.excitation or None)
     return session
+
+
+def opening_state(
+    base: Drivetrain,
+    choice: Mapping[str, str],
+    values: Mapping[str, Any],
+    pairs: Sequence[ResponseChoice],
+    band: tuple[float, float],
+    overlay: FrequencyResponse | None,
+    over_speed: Sequence[str],
+) -> State:
+    """State that a page begins with, where nothing else was asked for the first limited stress or torque over speed."""
+    first = pairs[0] if pairs else default_pair(base, overlay)
+    start = State(choice, values, first.output, first.input, band=band)
+    limited = "" if pairs or overlay else limited_output(base)
+    output = over_speed[0] if over_speed else limited
+    return replace(start, axis="speed", output=output) if output else start
 
 
 def _band(base: Drivetrain) -> tuple[float, float]:

@@ -107,7 +107,7 @@ function makeEnds(title, what, unit, change) {
     if (good) change(values);
   };
   ends.forEach((field) => field.addEventListener("change", take));
-  const all = Object.assign(document.createElement("button"), { type: "button", className: "small", textContent: "fit" });
+  const all = Object.assign(document.createElement("button"), { type: "button", className: "small", textContent: "all" });
   all.title = `${what === "speed" ? "All speeds of the model" : "The band of all modes"}; a double-click on a plot does the same, dragging in it zooms`;
   all.addEventListener("click", () => change(null));
   const node = document.createElement("fieldset");

@@ -19,7 +19,7 @@ export function makeFaults(view) {
     at("fault-count").textContent = counted(faults);
     at("faults").classList.toggle("is-sound", !faults.some(({ severity }) => severity === "error"));
     const focused = document.activeElement?.closest?.("#fault-list li")?.dataset.at;
-    at("fault-list").replaceChildren(...faults.map((fault, k) => row(view, fault, k)));
+    at("fault-list").replaceChildren(...faults.map((fault, k) => row(view, faults, fault, k)));
     if (focused !== undefined) (at("fault-list").children[Math.min(focused, faults.length - 1)]?.querySelector("button") ?? view.contentDOM).focus();
     clearTimeout(quiet);
     quiet = setTimeout(() => (at("fault-live").textContent = counted(faults) + (faults.length ? `: ${said(faults[0])}` : "")), QUIET);
@@ -58,7 +58,17 @@ function said({ line, message }) {
   return `line ${line}: ${message}`;
 }
 
-function row(view, fault, k) {
+// Of several faults of one kind, those with the edits of their first fix, none of which meets another.
+function alike(faults, kind) {
+  const found = [];
+  for (const fault of faults.filter((one) => one.kind === kind && one.fixes.length)) {
+    const meets = ({ from, to }) => found.some((edit) => from <= edit.to && edit.from <= to);
+    if (!fault.fixes[0].edits.some(meets)) found.push(...fault.fixes[0].edits);
+  }
+  return found.sort((one, other) => one.from - other.from);
+}
+
+function row(view, faults, fault, k) {
   const node = document.createElement("li");
   node.className = fault.severity;
   node.dataset.at = k;
@@ -73,6 +83,12 @@ function row(view, fault, k) {
     button.addEventListener("click", () => applyEdits(view, edits, "fix"));
     return button;
   });
+  const same = faults.filter((one) => one.kind === fault.kind && one.fixes.length);
+  if (same.length > 1 && same[0] === fault) {
+    const all = Object.assign(document.createElement("button"), { type: "button", className: "fix", textContent: `Mend all ${same.length} of this kind` });
+    all.addEventListener("click", () => applyEdits(view, alike(faults, fault.kind), "fix"));
+    fixes.push(all);
+  }
   node.append(go, ...fixes);
   return node;
 }

@@ -1,12 +1,12 @@
 // The page: text, schematic, results and values, each following the others.
 
 import { ask, newestOnly } from "./api.js";
-import { markMode, modesAreChosen } from "./modes.js";
+import { markModes, modesAreChosen } from "./modes.js";
+import { drawMasses } from "./masses.js";
 import { makeMotion } from "./motion.js";
 import { makePanes } from "./panes.js";
 import { results } from "./results.js";
 import { makeSchematic } from "./schematic.js";
-import { drawTorques } from "./torques.js";
 import { openText } from "./writing.js";
 
 const CALM = 120; // ms; a drawing and its motion need not follow every step of a slider
@@ -16,10 +16,11 @@ const nonce = document.querySelector("meta[name=style-nonce]").content;
 const panes = makePanes();
 let writing = null;
 let later = 0;
-const motion = makeMotion((k) => markMode(at("modes"), k));
+const motion = makeMotion((shown) => markModes(at("modes"), shown));
 modesAreChosen(motion.choose);
 const schematic = makeSchematic(at("schematic"), {
   drawn: motion.on,
+  moved: motion.look,
   choose: (kind, name) => {
     panes.show("text");
     writing?.goTo(kind, name);
@@ -29,8 +30,8 @@ const quiet = () => {}; // what cannot be drawn is told by the answer about resu
 const drawing = newestOnly("schematic", (found) => found.svg && schematic.show(found), quiet);
 const moving = newestOnly("motion", (found) => {
   if (!found.modes) return;
-  motion.show(found.modes);
-  drawTorques(at("mean"), at("torques"), found.elements);
+  motion.show(found);
+  drawMasses(at("masses"), found.elements);
 }, quiet);
 
 let drawnFor = "";

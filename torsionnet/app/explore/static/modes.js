@@ -5,18 +5,18 @@ import { short } from "./numbers.js";
 const COLUMNS = [["", "mode"], ["f₀ [Hz]", "natural"], ["f_d [Hz]", "damped"], ["ζ [%]", "ratio"], ["kind", "kind"], ["", "words"]];
 
 let choose = null; // what shows a mode on the schematic
-let chosen = null;
+let chosen = []; // places of the modes that are shown
 
-// From now on a mode of the table can be chosen; `choose` is told its place, or null.
+// From now on a mode of the table can be chosen; `choose` is told its place, and whether the others stay.
 export function modesAreChosen(act) {
   choose = act;
 }
 
-export function markMode(table, k) {
-  chosen = k;
+export function markModes(table, shown) {
+  chosen = shown;
   table.querySelectorAll("tbody tr").forEach((node, at) => {
-    node.classList.toggle("is-shown", at === k);
-    node.querySelector("button")?.setAttribute("aria-pressed", String(at === k));
+    node.classList.toggle("is-shown", shown.includes(at));
+    node.querySelector("button")?.setAttribute("aria-pressed", String(shown.includes(at)));
   });
 }
 
@@ -25,11 +25,11 @@ export function drawModes(table, modes, isCut) {
   const head = document.createElement("thead");
   head.append(row(COLUMNS.map(([text, kind]) => cell("th", kind, text === "f_d [Hz]" ? damped() : text))));
   const body = document.createElement("tbody");
-  body.append(...modes.natural.map((_, k) => row(cells(modes, k, !isCut && choose))));
+  body.append(...modes.natural.map((_, k) => Object.assign(row(cells(modes, k, !isCut && choose)), { title: modes.descriptions[k] })));
   const foot = document.createElement("caption");
   foot.textContent = modes.notes.join("; ");
   table.replaceChildren(foot, head, body);
-  if (!isCut) markMode(table, chosen);
+  if (!isCut) markModes(table, chosen);
 }
 
 function cells(modes, k, canChoose) {
@@ -51,9 +51,10 @@ function numbered({ numbers }, k) {
 
 function button(modes, k) {
   const node = Object.assign(document.createElement("button"), { type: "button", className: "quiet", textContent: numbered(modes, k) });
-  node.title = "Show this mode on the schematic";
-  node.setAttribute("aria-label", `Mode ${numbered(modes, k)} on the schematic`);
-  node.addEventListener("click", () => choose(k === chosen ? null : k));
+  node.title = "Show this mode on the schematic; with Shift beside the others";
+  const name = modes.numbers[k] === null ? `Mode without number, ${k + 1} of the table,` : `Mode ${numbered(modes, k)}`;
+  node.setAttribute("aria-label", `${name} on the schematic`);
+  node.addEventListener("click", (event) => choose(k, event.shiftKey));
   return node;
 }
 

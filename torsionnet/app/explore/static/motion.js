@@ -1,41 +1,43 @@
-// A mode on the schematic: at each node a disc swings as far as the mode moves it there.
+// Modes on the schematic: at each node a disc swings as far as the mode moves it there, over the curve of the shape.
 
 import { short } from "./numbers.js";
+import { makeShape } from "./shape.js";
+import { shape as form } from "./svg.js";
 
-const SVG = "http://www.w3.org/2000/svg";
 const SECONDS = 2.4; // of one swing, whatever the frequency of the mode
 const SWING = 70; // degrees, of the node that moves most
 const RADIUS = 7.5;
+const LEAST = 0.6; // pixels for a point, of the discs
 const SMALL = 0.02; // of the largest amplitude; what moves less is said to stand still
 
 const at = (id) => document.getElementById(id);
 const calm = matchMedia("(prefers-reduced-motion: reduce)");
 
-// `changed` is told which mode is shown.
+// `changed` is told which modes are shown; the first of them swings on the schematic, all of them in the curve below it.
 export function makeMotion(changed) {
   let modes = [];
+  let elements = {};
+  let shown = []; // places of modes
+  let isAsked = false; // whether someone has chosen a mode; until then none is chosen but the first vibration
   let discs = new Map(); // node -> {needle, disc}
   let drawn = null;
-  let runs = !calm.matches;
+  let runs = false;
   let since = 0;
   let frame = 0;
+  const shape = makeShape(at("shape"));
 
-  at("mode").addEventListener("change", () => choose(at("mode").value));
+  at("mode").addEventListener("change", () => choose(at("mode").value === "" ? null : Number(at("mode").value)));
   at("play").addEventListener("click", () => {
     runs = !runs;
-    begin();
-  });
-  calm.addEventListener("change", () => {
-    runs = !calm.matches;
     begin();
   });
   document.addEventListener("visibilitychange", begin);
 
   function show(found) {
-    const before = at("mode").value;
-    modes = found;
+    ({ modes, elements } = found);
     at("mode").replaceChildren(new Option("none", ""), ...modes.map(option));
-    choose(before !== "" && Number(before) < modes.length ? before : null);
+    const first = Math.max(0, modes.findIndex((mode) => mode.damped_hz > 0));
+    settle(isAsked ? shown.filter((k) => k < modes.length) : modes.length ? [first] : []);
   }
 
   function on(schematic) {
@@ -44,40 +46,40 @@ export function makeMotion(changed) {
     begin();
   }
 
-  function layer() {
-    discs = new Map();
-    const { svg, nodes } = drawn;
-    if (!svg.clientWidth) return;
-    const group = shape("g", { class: "swinging", "aria-hidden": "true" });
-    for (const [name, id] of Object.entries(nodes)) {
-      const node = svg.getElementById(id);
-      if (!node) continue;
-      const [x, y] = middle(node);
-      const spot = shape("g", { transform: `translate(${x} ${y})` });
-      const disc = shape("circle", { r: RADIUS });
-      const needle = shape("line", { x1: 0, y1: 0, x2: 0, y2: -RADIUS - 3 });
-      spot.append(disc, needle);
-      group.append(spot);
-      discs.set(name, { spot, disc, needle });
-    }
-    svg.append(group);
+  // The schematic was zoomed or moved: discs stay large enough to be seen, and the curve below its nodes.
+  function look(view) {
+    const size = Math.max(1, LEAST / view.scale);
+    for (const { spot, x, y } of discs.values()) spot.setAttribute("transform", `translate(${x} ${y}) scale(${size})`);
+    shape.look(view);
   }
 
-  function chosen() {
-    return at("mode").value === "" ? null : modes[Number(at("mode").value)];
+  function layer() {
+    discs = new Map();
+    const group = form("g", { class: "swinging", "aria-hidden": "true" });
+    for (const [name, [x, y]] of drawn.at) {
+      const spot = form("g", { transform: `translate(${x} ${y})` });
+      const disc = form("circle", { r: RADIUS });
+      const needle = form("line", { x1: 0, y1: 0, x2: 0, y2: -RADIUS - 3 });
+      spot.append(disc, needle);
+      group.append(spot);
+      discs.set(name, { spot, disc, needle, x, y });
+    }
+    drawn.svg.append(group);
   }
 
   function begin() {
     cancelAnimationFrame(frame);
-    const mode = chosen();
+    const mode = modes[shown[0]];
     at("mode").disabled = at("play").disabled = !modes.length;
     at("play").textContent = runs ? "Pause" : "Play";
     at("play").hidden = !mode;
     drawn?.svg.classList.toggle("is-moving", Boolean(mode));
     at("moving").textContent = mode ? words(mode) : "";
-    if (drawn) strain(mode);
+    if (drawn) {
+      strain(mode);
+      shape.draw(drawn.at, elements, shown.map((k) => modes[k]));
+    }
     if (!mode || !drawn) return;
-    if (!discs.size) layer();
     since = performance.now();
     if (runs && !document.hidden) frame = requestAnimationFrame(step);
     else draw(mode, 0);
@@ -91,9 +93,7 @@ export function makeMotion(changed) {
   }
 
   function step(now) {
-    const mode = chosen();
-    if (!mode) return;
-    draw(mode, (2 * Math.PI * (now - since)) / 1000 / SECONDS);
+    draw(modes[shown[0]], (2 * Math.PI * (now - since)) / 1000 / SECONDS);
     frame = requestAnimationFrame(step);
   }
 
@@ -106,33 +106,25 @@ export function makeMotion(changed) {
       disc.setAttribute("fill-opacity", Math.abs(now).toFixed(3));
       disc.classList.toggle("is-back", now < 0);
     }
+    shape.move(angle);
   }
 
-  function choose(k) {
-    at("mode").value = k === null ? "" : String(k);
-    changed(at("mode").value === "" ? null : Number(at("mode").value));
+  // A mode alone, or beside those that are shown; null for none.
+  function choose(k, isBeside = false) {
+    isAsked = true;
+    const rest = isBeside ? shown.filter((one) => one !== k) : [];
+    const takesAway = k === null || (shown.includes(k) && (isBeside || shown.length === 1));
+    runs = !calm.matches && (!takesAway || runs);
+    settle(takesAway ? rest : [...rest, k]);
+  }
+
+  function settle(now) {
+    shown = now;
+    at("mode").value = shown.length ? String(shown[0]) : "";
+    changed(shown);
     begin();
   }
-  return { show, on, choose };
-}
-
-// On the shaft of a node, below its name; where a node has no shaft, in the middle of what is drawn of it.
-function middle(node) {
-  const { x, y, width, height } = node.getBBox();
-  const name = node.querySelector(":scope > .text-node");
-  const at = name ? Number(name.getAttribute("x")) : x + width / 2;
-  const below = name ? Number(name.getAttribute("y")) : y;
-  const found = [...node.querySelectorAll(":scope > .pen-shaft")].flatMap(levels).filter(([left, right]) => left <= at && at <= right);
-  const [nearest] = found.map(([, , level]) => level).sort((a, b) => Math.abs(a - below) - Math.abs(b - below));
-  return [at, nearest ?? y + height / 2];
-}
-
-// Level stretches of a path of straight lines: [left, right, y].
-function levels(path) {
-  return path.getAttribute("d").split("M").flatMap((line) => {
-    const points = line.replace("Z", "").trim().split(/\s+/).map((point) => point.split(",").map(Number));
-    return points.slice(1).flatMap(([x, y], k) => (y === points[k][1] ? [[Math.min(x, points[k][0]), Math.max(x, points[k][0]), y]] : []));
-  });
+  return { show, on, look, choose };
 }
 
 function option({ name, kind, frequency_hz: frequency, damping_ratio: ratio }, k) {
@@ -147,10 +139,4 @@ function words({ frequency_hz: frequency, description, nodes }) {
   const lead = all[0][1][1];
   const parts = all.map(([name, [size, phase]]) => `${name} ${short(size, 2)}${Math.cos(phase - lead) < 0 ? " against it" : ""}`);
   return `${short(frequency)} Hz: ${description}. Amplitudes: ${parts.slice(0, 12).join(", ")}`;
-}
-
-function shape(tag, attributes) {
-  const node = document.createElementNS(SVG, tag);
-  for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value);
-  return node;
 }

@@ -2,12 +2,13 @@
 
 const NARROW = matchMedia("(max-width: 960px)");
 const STEP = 24; // pixels for a press of an arrow key
-const PANES = [["text", "Text"], ["drawing", "Schematic"], ["results", "Results"]];
+const PANES = [["text", "Text"], ["drawing", "Schematic"], ["sheet", "Results"]];
+const ALL = [...PANES.map(([id]) => id), "parameters"];
 const KEPT = "torsionnet panes";
 // Each bar between panes: the variable of the layout it sets, which way it goes, its limits in pixels, the pane it closes.
 const BARS = {
   "split-text": { size: "--text", axis: "x", sign: 1, least: 240, most: 900, pane: "text", name: "Width of the text" },
-  "split-drawing": { size: "--drawing", axis: "y", sign: 1, least: 90, most: 600, pane: "drawing", name: "Height of the schematic" },
+  "split-drawing": { size: "--drawing", axis: "y", sign: 1, least: 120, most: 640, pane: "drawing", name: "Height of the schematic" },
   "split-values": { size: "--values", axis: "x", sign: -1, least: 240, most: 560, pane: "parameters", name: "Width of the values" },
 };
 
@@ -17,14 +18,20 @@ export function makePanes() {
   const kept = recalled();
   const hidden = new Set(kept.hidden ?? []);
   const sizes = kept.sizes ?? {};
-  let tab = "results";
+  let tab = "sheet";
+  let largest = ""; // the pane that has the whole page
   const toggles = [["text", "Text"], ["drawing", "Schematic"], ["parameters", "Values"]]
     .map(([id, words]) => toggle(id, words));
   at("shown").replaceChildren(...toggles.map(({ button }) => button));
   at("pane-tabs").replaceChildren(...PANES.map(tabOf));
   for (const [id, bar] of Object.entries(BARS)) prepare(at(id), bar);
   NARROW.addEventListener("change", apply);
-  addEventListener("keydown", (event) => event.key === "F6" && !event.ctrlKey && !event.altKey && next(event));
+  addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.altKey) return;
+    if (event.key === "F6") next(event);
+    if (event.key === "F9") enlarge(event, paneOf(document.activeElement) ?? "sheet");
+  });
+  for (const id of ALL) at(id).querySelector(".heading, #top").addEventListener("dblclick", (event) => event.target.closest("button, select") || enlarge(event, id));
   apply();
 
   function toggle(id, words) {
@@ -55,8 +62,16 @@ export function makePanes() {
   // Brings a pane into sight.
   function show(id) {
     hidden.delete(id);
+    if (largest && largest !== id) largest = "";
     if (PANES.some(([one]) => one === id)) tab = id;
     apply();
+  }
+
+  // One pane alone, until the key is pressed again.
+  function enlarge(event, id) {
+    largest = largest ? "" : id;
+    apply();
+    event.preventDefault();
   }
 
   function apply() {
@@ -64,13 +79,13 @@ export function makePanes() {
     at("pane-tabs").hidden = !narrow;
     at("shown").hidden = narrow;
     document.body.dataset.tab = narrow ? tab : "";
-    const seen = (id) => (narrow ? tab === id : !hidden.has(id));
-    at("text").hidden = !seen("text");
-    at("drawing").hidden = !seen("drawing");
-    at("parameters").hidden = !narrow && hidden.has("parameters");
-    at("split-text").hidden = narrow || at("text").hidden;
-    at("split-drawing").hidden = narrow || at("drawing").hidden;
-    at("split-values").hidden = narrow || at("parameters").hidden;
+    const alone = narrow ? "" : largest;
+    document.body.classList.toggle("is-alone", alone !== "");
+    const seen = (id) => (narrow ? tab === id : alone ? alone === id : !hidden.has(id));
+    for (const [id] of PANES) at(id).hidden = !seen(id);
+    at("parameters").hidden = narrow ? tab !== "sheet" : !seen("parameters");
+    at("right").hidden = at("drawing").hidden && at("sheet").hidden;
+    for (const [id, { pane }] of Object.entries(BARS)) at(id).hidden = narrow || alone !== "" || at(pane).hidden;
     toggles.forEach(({ id, button }) => button.setAttribute("aria-pressed", String(!hidden.has(id))));
     PANES.forEach(([id], k) => {
       const button = at("pane-tabs").children[k];
@@ -133,13 +148,16 @@ export function makePanes() {
   function next(event) {
     const stops = [".cm-content", "#schematic [tabindex='0']", "#magnitude", "#parameters input:not([readonly])"]
       .map((one) => document.querySelector(one)).filter((node) => node && node.getClientRects().length);
-    const panes = ["#text", "#drawing", "#sheet", "#parameters"];
-    const here = panes.find((one) => document.activeElement?.closest(one));
-    const k = stops.findIndex((node) => here && node.closest(here));
+    const here = paneOf(document.activeElement);
+    const k = stops.findIndex((node) => here && paneOf(node) === here);
     stops[(k + (event.shiftKey ? stops.length - 1 + (k < 0) : 1)) % stops.length]?.focus();
     event.preventDefault();
   }
   return { show };
+}
+
+function paneOf(node) {
+  return ALL.find((id) => at(id).contains(node));
 }
 
 function measured({ pane, axis }) {

@@ -29,6 +29,7 @@ async function offer(table, view) {
   if (found.no_table) return raw(table, view);
   const rows = table.split(/\r?\n/).filter((line) => line.trim());
   const seen = Object.assign(document.createElement("pre"), { textContent: rows.slice(0, SHOWN_ROWS).join("\n") + (rows.length > SHOWN_ROWS ? "\n…" : "") });
+  if (found.asked) return withUnits(table, view, found, seen);
   if (found.refused) {
     const reasons = found.refused.map((one) => paragraph(one, "reason"));
     const act = await decide("This table makes no model yet", [...reasons, seen], [["", "Cancel"], ["raw", "Paste as it is"]]);
@@ -42,6 +43,28 @@ async function offer(table, view) {
     say("The table is a model now.");
   } else if (act === "raw") raw(table, view);
   view.focus();
+}
+
+// Columns without a unit: each is asked for, and written into its heading.
+async function withUnits(table, view, { asked }, seen) {
+  const fields = asked.map(({ heading, units }) => {
+    const label = paragraph(`Unit of ${heading} `);
+    const field = document.createElement("select");
+    field.setAttribute("aria-label", `Unit of ${heading}`);
+    field.append(...units.map((unit) => new Option(unit, unit)));
+    label.append(field);
+    return { label, field };
+  });
+  const act = await decide("In which units is this table?", [seen, ...fields.map(({ label }) => label)], [["go", "Go on"], ["raw", "Paste as it is"], ["", "Cancel"]]);
+  if (act === "raw") raw(table, view);
+  if (act !== "go") return view.focus();
+  const lines = table.split(/\r?\n/);
+  asked.forEach(({ line, heading }, k) => {
+    const cells = lines[line - 1].split(/([\t;])/);
+    cells[cells.findIndex((cell) => cell.trim() === heading)] = `${heading} [${fields[k].field.value}]`;
+    lines[line - 1] = cells.join("");
+  });
+  return offer(lines.join("\n"), view);
 }
 
 function raw(text, view) {

@@ -3,6 +3,7 @@
 
 import { linearTicks, roundUp } from "./axes.js";
 import { short } from "./numbers.js";
+import { shape, word } from "./svg.js";
 
 const WIDTH = 380;
 const HEIGHT = 280;
@@ -44,15 +45,15 @@ function grid(view, place) {
   const lines = [];
   for (const tick of linearTicks(0, view.imag, 5)) {
     lines.push(line("grid", place.x(view.real), place.y(tick), place.x(0), place.y(tick)));
-    lines.push(text("tick", place.x(0) + 6, place.y(tick) + 4, short(tick, 3)));
+    lines.push(word(short(tick, 3), place.x(0) + 6, place.y(tick) + 4, "tick"));
   }
   for (const tick of linearTicks(view.real, 0, 4)) {
     lines.push(line("grid", place.x(tick), place.y(0), place.x(tick), place.y(view.imag)));
-    lines.push(text("tick middle", place.x(tick), place.y(0) + 15, short(tick, 3)));
+    lines.push(word(short(tick, 3), place.x(tick), place.y(0) + 15, "tick middle"));
   }
   lines.push(line("axis", place.x(view.real), place.y(0), place.x(0), place.y(0)));
   lines.push(line("axis", place.x(0), place.y(0), place.x(0), place.y(view.imag)));
-  lines.push(text("tick end", place.x(0) - 6, EDGE.top + 2, "Im"), text("tick middle", place.x(view.real / 2), HEIGHT - 4, "Re"));
+  lines.push(word("Im", place.x(0) - 6, EDGE.top + 2, "tick end"), word("Re", place.x(view.real / 2), HEIGHT - 4, "tick middle"));
   return lines;
 }
 
@@ -67,7 +68,7 @@ function rays(view, place) {
     if (way - last < 30 || place.x(0) - x < 26 || place.y(0) - y < 22) return [];
     last = way;
     const label = `${short(100 * ratio)} %`;
-    const shown = imag === view.imag ? text("ray-name middle", x, y - 3, label) : text("ray-name", x + 3, y - 3, label);
+    const shown = imag === view.imag ? word(label, x, y - 3, "ray-name middle") : word(label, x + 3, y - 3, "ray-name");
     return [line("ray", place.x(0), place.y(0), x, y), shown];
   });
 }
@@ -80,24 +81,10 @@ function cross(one, view, place) {
   const path = beyond
     ? `M${x + 9} ${y - 4}L${x + 2} ${y}L${x + 9} ${y + 4}`
     : `M${x - size} ${y - size}L${x + size} ${y + size}M${x - size} ${y + size}L${x + size} ${y - size}`;
-  const title = shape("title", {});
-  title.textContent = one.title;
-  group.append(title, shape("path", { d: path }));
+  group.append(Object.assign(shape("title", {}), { textContent: one.title }), shape("path", { d: path }));
   return group;
 }
 
 function line(kind, x1, y1, x2, y2) {
   return shape("line", { class: kind, x1, y1, x2, y2 });
-}
-
-function text(kind, x, y, content) {
-  const node = shape("text", { class: kind, x, y });
-  node.textContent = content;
-  return node;
-}
-
-function shape(tag, attributes) {
-  const node = document.createElementNS("http://www.w3.org/2000/svg", tag);
-  for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value);
-  return node;
 }

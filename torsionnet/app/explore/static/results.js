@@ -3,19 +3,19 @@
 import { ask, newestOnly, underWay } from "./api.js";
 import { makeChooser, segments } from "./chooser.js";
 import { byKeys, valuesAt, valuesNear } from "./cursor.js";
-import { copy } from "./files.js";
 import { overFrequency } from "./frequency.js";
+import { drawInterference } from "./interference.js";
 import { drawModes } from "./modes.js";
 import { makePins, pinned } from "./pins.js";
 import { makePlots } from "./plots.js";
 import { drawPoles } from "./poles.js";
 import { makeReadout, title } from "./readout.js";
-import { say } from "./saying.js";
 import { makeSliders } from "./sliders.js";
 import { overSpeed } from "./speed.js";
 import { canPin, fresh, question, read, write } from "./state.js";
 import { drawTabs } from "./tabs.js";
 import { apply, curveColour, isDark, whenSystemChanges } from "./theme.js";
+import { makeViews } from "./views.js";
 
 const QUIET = 500; // ms without change until the summary is read aloud and the address written
 const at = (id) => document.getElementById(id);
@@ -30,6 +30,7 @@ let seen = [];
 let stale = false;
 let sliders = null;
 let fillChooser = null;
+let makeParameter = () => {}; // of a number of an element
 let asked = () => {}; // whatever else is drawn of the state
 
 const pins = makePins(() => state, () => last && redraw());
@@ -46,6 +47,7 @@ const readout = makeReadout(at("curves").tBodies[0], at("at"), {
   },
   toggleTest: () => change({ overlaid: !state.overlaid }, { ask: false }),
 });
+const views = makeViews(() => last && drawModal(last.answer));
 const which = segments("Modes of", [["drivetrain", "drivetrain"], ["cut", "cut"]], (of) => change({ of }, { ask: false }));
 const request = newestOnly("answer", show, (error) => refuse([error.message]));
 
@@ -58,7 +60,7 @@ export const results = {
     byKeys(at("magnitude"), plots.plots, () => plots.plots().forEach((plot) => plot.setCursor({ left: -10, top: -10 })));
     at("reset").addEventListener("click", () => change({ values: {} }));
     at("pin").addEventListener("click", pin);
-    at("copy").addEventListener("click", async () => say(await copy(at("command"))));
+    new ResizeObserver(() => last && drawInterference(at("meetings"), last.answer)).observe(at("meetings"));
     at("theme").addEventListener("click", () => change({ theme: isDark(state.theme) ? "light" : "dark" }, { ask: false }));
     whenSystemChanges(() => change({}, { ask: false }));
     addEventListener("hashchange", () => {
@@ -70,16 +72,23 @@ export const results = {
     apply(state.theme);
   },
   show: showModel,
+  makesParameters: (make) => (makeParameter = make),
   state: () => question(state),
   changed: () => Object.keys(state.values ?? {}),
   // The text holds the values now, and another answer follows it.
   forget: () => (state.values = {}),
   refuse,
+  // While no text was sound yet, what is wrong with the one that stands there now.
+  explain(faults) {
+    const errors = faults.filter(({ severity }) => severity === "error");
+    if (!last && errors.length) refuse(errors.map(({ line, message }) => `line ${line}: ${message}`));
+  },
   // Whether what is shown is of an older text than the one that stands there.
   stale(is) {
     if (is === stale) return;
     stale = is;
     at("stale").hidden = !is;
+    at("stale").textContent = last ? "The text is faulty: results of the last sound one" : "The text is faulty: no results yet";
     document.body.classList.toggle("is-stale", is);
     if (last) redraw();
   },
@@ -108,7 +117,7 @@ function fit(before) {
   document.title = `${model.name} – torsionnet explore`;
   at("chooser").replaceChildren();
   fillChooser = makeChooser(at("chooser"), model, change);
-  sliders = makeSliders(at("sliders"), model.parameters, model.operating_point.rows, changeValue);
+  sliders = makeSliders(at("sliders"), model.parameters, model.operating_point.rows, model.numbers, changeValue, (one) => makeParameter(one));
   at("point-hint").textContent = model.operating_point.hint;
   if (Object.keys(model.axes).length) at("plots").setAttribute("role", "tabpanel");
   else at("plots").removeAttribute("role");
@@ -139,6 +148,8 @@ function change(part, { ask: asks = true, time = performance.now(), isNew = fals
   if (!model) return;
   drawTabs(at("tabs"), model.axes, state.choice, chooseTab);
   fillChooser(state, last?.answer);
+  const chosen = Object.entries(state.choice).map((pair) => pair.join(" ")).join(", ") || (Object.keys(model.axes).length ? "as written" : "");
+  views.say([chosen, `${state.output} over ${state.axis === "speed" ? "speed" : state.input}`].filter(Boolean).join(" · "));
   if (before !== state.output + state.input + state.quantity) test = null;
   if (last && (!asks || "angle" in part || "decibels" in part)) redraw(); // the numbers are here already
   if (asks) {
@@ -213,7 +224,7 @@ function over(answer) {
 }
 
 function allCurves(answer, faint) {
-  const now = { key: "now", note: answer.title, faint, dashes: [] };
+  const now = { key: "now", faint, dashes: [] };
   const kept = state.pins.flatMap((pin, k) => {
     const found = pins.of(pin, state);
     const look = { key: `pin ${k} ${state.pins.length} ${pin.name}`, name: pin.name, pin };
@@ -241,6 +252,8 @@ function drawModal(answer) {
   at("modes-title").textContent = cut ? `Poles of ${answer.response.label}` : "Modes";
   const side = (one) => (cut ? one.cut : one.modes);
   drawModes(at("modes"), side(answer), Boolean(cut));
+  views.fill(Boolean(answer.orders));
+  drawInterference(at("meetings"), answer);
   const sets = state.pins.map((pin, k) => [pins.of(pin, state), k]).filter(([found]) => found && side(found));
   drawPoles(at("poles"), [
     { modes: side(answer), colour: curveColour(0) },

@@ -4,11 +4,13 @@
 import { plain, short, symbol, unit } from "./numbers.js";
 import { STEPS, toPosition, toValue } from "./scale.js";
 
-export function makeSliders(place, parameters, point, change) {
+// `make` makes a parameter of one of the numbers that elements are written with.
+export function makeSliders(place, parameters, point, numbers, change, make) {
   const rows = new Map([...point, ...parameters].map((one) => [one.name, makeRow(bare(one), change)]));
   place.replaceChildren(...[...rows.values()].map((row) => row.node));
   if (point.length && parameters.length) rows.get(parameters[0].name).node.classList.add("first");
-  if (!rows.size) place.textContent = "The model has no parameters: name values under parameters: to move them here.";
+  if (numbers.length) place.append(numberList(numbers, !rows.size, make));
+  else if (!rows.size) place.textContent = "The model has no numbers to move.";
   return {
     fill: (now) => {
       const given = new Map(now.map((one) => [one.name, one]));
@@ -16,6 +18,21 @@ export function makeSliders(place, parameters, point, change) {
     },
     fault: (name) => rows.forEach((row, own) => row.field.toggleAttribute("aria-invalid", own === name || !row.gap.hidden)),
   };
+}
+
+// Numbers in elements, each with a button that gives it a slider.
+function numberList(numbers, isOpen, make) {
+  const box = Object.assign(element("details", "numbers"), { open: isOpen });
+  const rows = numbers.map((one) => {
+    const button = Object.assign(element("button", "small", "slider"), { type: "button", title: "Make it a parameter, in the text" });
+    button.setAttribute("aria-label", `Slider for ${one.entry} of ${one.element}`);
+    button.addEventListener("click", () => make(one));
+    const row = element("p", "number");
+    row.append(element("span", "name", `${one.element}, ${one.entry}`), element("span", "unit", unit(one.written)), button);
+    return row;
+  });
+  box.append(element("summary", "", "Numbers without a slider"), ...rows);
+  return box;
 }
 
 function bare(parameter) {
@@ -29,8 +46,9 @@ function makeRow(parameter, change) {
   const label = element("label", "name");
   label.htmlFor = id;
   label.append(parameter.label ?? symbol(parameter.name));
+  label.title = [words, parameter.description].filter(Boolean).join(": ");
+  node.classList.toggle("is-point", Boolean(parameter.label));
   const description = element("span", "description", parameter.description ?? "");
-  description.title = parameter.description ?? "";
   const field = element("input", "value");
   Object.assign(field, { id, type: "text", inputMode: "decimal", autocomplete: "off", spellcheck: false });
   const units = element("span", "unit");
@@ -70,12 +88,17 @@ function drag(row, change, event) {
 
 // A bare number is meant in the unit beside the field; any other text goes to the library, which reads units.
 function type(row, change, event) {
-  const text = row.field.value.trim();
+  const text = withPoint(row.field.value.trim());
   const isNumber = text !== "" && Number.isFinite(Number(text));
   missing(row, text === "");
   if (text === "") return;
   const same = isNumber && Number(text) === row.now.default;
   change(row.now.name, same ? null : isNumber ? withUnit(text, row.now) : text, event.timeStamp);
+}
+
+// 0,3 is 0.3; whether 13,300 is meant so is for the one who wrote it to say.
+function withPoint(text) {
+  return text.replace(/^([-+]?\d*),(\d+)(?![\d,.])/, (all, whole, part) => (part.length === 3 && Number(whole) ? all : `${whole}.${part}`));
 }
 
 // An empty field is no value: it says what it waits for, and the last value stays in force.
@@ -100,7 +123,7 @@ function fill(row, parameter) {
   row.node.classList.toggle("is-derived", derived);
   row.node.classList.toggle("is-changed", parameter.changed);
   row.field.readOnly = derived;
-  if (row.gap.hidden && (document.activeElement !== row.field || derived)) row.field.value = plain(parameter.value);
+  if (row.gap.hidden && (document.activeElement !== row.field || derived)) row.field.value = derived ? short(parameter.value, 5) : plain(parameter.value);
   row.units.textContent = unit(parameter.shown_unit);
   row.reset.hidden = !parameter.changed && row.gap.hidden;
   row.derived.textContent = derived ? `= ${unit(parameter.expression)}` : parameter.remark;

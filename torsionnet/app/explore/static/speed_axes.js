@@ -20,33 +20,79 @@ export function speedPanels(form) {
   };
   const hooks = {
     drawClear: [(plot) => bands(plot, form.barred)],
-    draw: [
-      (plot) => mark(plot, form.rated),
-      (plot) => uprights(plot, form.whiskers),
-      (plot) => bandWords(plot, form.barred),
-      (plot) => limitWords(plot, form.limits),
-    ],
+    draw: [(plot) => {
+      uprights(plot, form.whiskers);
+      const free = room(plot);
+      mark(plot, form.rated, free);
+      bandWords(plot, form.barred, free);
+      limitWords(plot, form.limits, free);
+    }],
   };
   return [{ side: "magnitude", options: { axes: [x, y], scales, hooks } }];
 }
 
-function mark(plot, rated) {
+// Where words may stand: `take` has the first of some places on which neither a curve nor other words lie, or none. What
+// finds no room is named in the list of curves.
+function room(plot) {
+  const { ctx, bbox, data, series, scales } = plot;
+  const font = `${TEXT * devicePixelRatio}px system-ui, sans-serif`;
+  const taken = [];
+  const curves = series.slice(1).flatMap((one, k) => (one.show ? [data[0].flatMap((x, at) => {
+    const y = data[k + 1][at];
+    return y == null || x < scales.x.min || x > scales.x.max ? [] : [[plot.valToPos(x, "x", true), plot.valToPos(y, "y", true)]];
+  })] : []));
+  const crosses = ([left, top, right, bottom]) => curves.some((points) => points.some(([x, y], k) => {
+    const [from, to] = [points[k - 1] ?? [x, y], [x, y]];
+    if (from[0] > right || to[0] < left) return false;
+    const at = (edge) => (to[0] > from[0] ? from[1] + ((Math.min(to[0], Math.max(from[0], edge)) - from[0]) / (to[0] - from[0])) * (to[1] - from[1]) : y);
+    const ends = [at(left), at(right), ...(to[0] > from[0] ? [] : [from[1], y])];
+    return Math.min(...ends) < bottom && Math.max(...ends) > top;
+  }));
+  // Places: [x, y, align, baseline]
+  return function take(said, places, ink = colour("alarm")) {
+    ctx.save();
+    ctx.font = font;
+    const wide = ctx.measureText(said).width;
+    const high = TEXT * devicePixelRatio;
+    for (const [x, y, align, baseline] of places) {
+      const left = align === "right" ? x - wide : x;
+      const top = { top: y, middle: y - high / 2, bottom: y - high }[baseline];
+      const box = [left, top, left + wide, top + high];
+      const isInside = left >= bbox.left && left + wide <= bbox.left + bbox.width && top >= bbox.top && top + high <= bbox.top + bbox.height;
+      if (!isInside || crosses(box) || taken.some((one) => one[0] < box[2] && box[0] < one[2] && one[1] < box[3] && box[1] < one[3])) continue;
+      taken.push(box);
+      ctx.textAlign = align;
+      ctx.textBaseline = baseline;
+      ctx.fillStyle = ink;
+      ctx.fillText(said, x, y);
+      break;
+    }
+    ctx.restore();
+  };
+}
+
+// Lines below one another from the top of the plot, of which the first free one is taken.
+function rows(plot) {
+  const { top, height } = plot.bbox;
+  const step = (TEXT + GAP) * devicePixelRatio;
+  return Array.from({ length: Math.floor(height / step) }, (_, k) => top + GAP * devicePixelRatio + k * step);
+}
+
+function mark(plot, rated, take) {
   if (rated === null || rated < plot.scales.x.min || rated > plot.scales.x.max) return;
   const { ctx, bbox } = plot;
   const x = plot.valToPos(rated, "x", true);
   ctx.save();
-  ctx.strokeStyle = ctx.fillStyle = colour("muted");
+  ctx.strokeStyle = colour("muted");
   ctx.lineWidth = devicePixelRatio;
   ctx.setLineDash(DASH.map((length) => length * devicePixelRatio));
   ctx.beginPath();
   ctx.moveTo(x, bbox.top);
   ctx.lineTo(x, bbox.top + bbox.height);
   ctx.stroke();
-  ctx.font = `${TEXT * devicePixelRatio}px system-ui, sans-serif`;
-  ctx.textAlign = x > bbox.left + bbox.width / 2 ? "right" : "left";
-  ctx.textBaseline = "top";
-  ctx.fillText("rated", x + (ctx.textAlign === "right" ? -5 : 5) * devicePixelRatio, bbox.top + 4 * devicePixelRatio);
   ctx.restore();
+  const inset = GAP * devicePixelRatio;
+  take("rated", rows(plot).flatMap((y) => [[x - inset, y, "right", "top"], [x + inset, y, "left", "top"]]), colour("muted"));
 }
 
 function uprights(plot, whiskers) {
@@ -87,59 +133,32 @@ function bands(plot, barred) {
   ctx.restore();
 }
 
-// Below the top of the band, where it is wide enough, else beside it.
-function bandWords(plot, barred) {
-  const { bbox } = plot;
+// In the band or beside it.
+function bandWords(plot, barred, take) {
+  const inset = GAP * devicePixelRatio;
   for (const one of barred) {
     const [low, high] = ends(plot, one);
     if (low === undefined) continue;
-    const onRight = low < bbox.left + 0.7 * bbox.width;
-    words(plot, "barred", onRight ? low : high, bbox.top + GAP * devicePixelRatio, onRight ? "left" : "right", "top");
+    take("barred", rows(plot).flatMap((y) => [[low + inset, y, "left", "top"], [high - inset, y, "right", "top"], [low - inset, y, "right", "top"]]));
   }
 }
 
-// On the line at its left end, at the right one where it comes in through the top of the plot; at the top with an arrow
-// where the line is above what is shown.
-function limitWords(plot, limits) {
+// Above or below the line, from its left end on; at the top with an arrow where the line is above what is shown.
+function limitWords(plot, limits, take) {
   const { x, y } = plot.scales;
-  const above = [];
-  for (const one of limits) {
-    const inside = one.points.filter(([rpm]) => rpm >= x.min && rpm <= x.max);
+  const inset = GAP * devicePixelRatio;
+  for (const { words: said, points } of limits) {
+    const inside = points.filter(([rpm]) => rpm >= x.min && rpm <= x.max);
     const seen = inside.filter(([, size]) => size <= y.max);
-    if (!seen.length) above.push(one);
-    else limitWord(plot, one.words, seen, seen[0] === inside[0]);
+    if (seen.length) {
+      const some = seen.filter((_, k) => k % Math.ceil(seen.length / 20) === 0);
+      take(said, some.flatMap(([rpm, size]) => {
+        const [at, line] = [plot.valToPos(rpm, "x", true) + inset, plot.valToPos(size, "y", true)];
+        return [[at, line - inset, "left", "bottom"], [at, line + inset, "left", "top"]];
+      }));
+    } else if (inside.length) {
+      const words = `↑ ${said} above, from ${short(Math.min(...inside.map(([, size]) => size)))}`;
+      take(words, rows(plot).map((down) => [plot.bbox.left + inset, down, "left", "top"]));
+    }
   }
-  const off = above.flatMap(({ words: said, points }) => {
-    const sizes = points.filter(([rpm]) => rpm >= x.min && rpm <= x.max).map(([, size]) => size);
-    return sizes.length ? [`${said} above, from ${short(Math.min(...sizes))}`] : [];
-  });
-  off.forEach((said, k) => {
-    const down = plot.bbox.top + (2 * GAP + (k + 1) * (TEXT + GAP)) * devicePixelRatio;
-    words(plot, `↑ ${said}`, plot.bbox.left, down, "left", "top");
-  });
-}
-
-function limitWord(plot, said, seen, isWhole) {
-  const [rpm, size] = isWhole ? seen[0] : seen.at(-1);
-  const [at, line] = [plot.valToPos(rpm, "x", true), plot.valToPos(size, "y", true)];
-  if (!isWhole) return words(plot, said, at, line, at > plot.bbox.left + 0.7 * plot.bbox.width ? "right" : "left", "middle");
-  const below = line - plot.bbox.top < (TEXT + GAP) * devicePixelRatio;
-  words(plot, said, at, line + (below ? GAP : -GAP) * devicePixelRatio, "left", below ? "top" : "bottom");
-}
-
-// With the ground of the page behind, so that curves do not cross them.
-function words(plot, said, x, y, align, baseline) {
-  const { ctx } = plot;
-  const inset = (align === "right" ? -GAP : GAP) * devicePixelRatio;
-  ctx.save();
-  ctx.font = `${TEXT * devicePixelRatio}px system-ui, sans-serif`;
-  ctx.textAlign = align;
-  ctx.textBaseline = baseline;
-  ctx.lineWidth = 3 * devicePixelRatio;
-  ctx.lineJoin = "round";
-  ctx.strokeStyle = colour("paper");
-  ctx.fillStyle = colour("alarm");
-  ctx.strokeText(said, x + inset, y);
-  ctx.fillText(said, x + inset, y);
-  ctx.restore();
 }

@@ -122,7 +122,7 @@ export function makeFile(view, opened, changed) {
   addEventListener("beforeunload", (event) => unsaved() && event.preventDefault());
   if (opened.can_save) follow();
   mark();
-  return { save, mark, unsaved, tookFile: take };
+  return { save, mark, unsaved, tookFile: take, download: () => asDownload(text(), "as asked for") };
 }
 
 function pause(ms) {

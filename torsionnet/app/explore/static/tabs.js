@@ -30,6 +30,7 @@ function tab(axis, name, selected, choose) {
   button.textContent = name || "as written";
   button.dataset.tab = `${axis}=${name}`;
   button.setAttribute("role", "tab");
+  if (!name) button.setAttribute("aria-label", `${axis}: as written`);
   button.setAttribute("aria-selected", String(selected));
   button.setAttribute("aria-controls", "plots");
   button.tabIndex = selected ? 0 : -1;

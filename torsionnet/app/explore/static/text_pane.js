@@ -1,8 +1,8 @@
 // The editor of the model text: CodeMirror with YAML, and the keys of the page.
 
 import {
-  Compartment, Decoration, EditorState, EditorView, StateEffect, StateField, autocompletion, bracketMatching, closeBrackets,
-  closeBracketsKeymap, codeFolding, completionKeymap, crosshairCursor, defaultKeymap, drawSelection, dropCursor, foldGutter,
+  acceptCompletion, Compartment, Decoration, EditorState, EditorView, StateEffect, StateField, autocompletion, bracketMatching, closeBrackets,
+  closeBracketsKeymap, codeFolding, completionKeymap, completionStatus, crosshairCursor, defaultKeymap, drawSelection, dropCursor, foldGutter,
   foldKeymap, highlightActiveLine, highlightActiveLineGutter, highlightSelectionMatches, highlightSpecialChars, history,
   historyKeymap, indentOnInput, indentUnit, indentWithTab, keymap, lineNumbers, lintGutter, nextDiagnostic, placeholder,
   previousDiagnostic, rectangularSelection, search, searchKeymap, yaml,
@@ -25,6 +25,7 @@ const chosen = StateField.define({
 // `actions`: changed(view, step), moved(view), keys, paste(event, view), complete, hover
 export function makeTextPane(place, nonce, actions) {
   const writable = new Compartment();
+  const offers = makeOffers();
   const extensions = (text) => EditorState.create({
     doc: text,
     extensions: [
@@ -32,20 +33,23 @@ export function makeTextPane(place, nonce, actions) {
       keymap.of([
         ...actions.keys,
         { key: "F8", run: nextDiagnostic, shift: previousDiagnostic },
-        ...closeBracketsKeymap, ...completionKeymap, ...searchKeymap, ...foldKeymap, ...historyKeymap, ...defaultKeymap, { ...indentWithTab, run: indentBefore },
+        { key: "Enter", run: (view) => (offers.isMeant(view) ? acceptCompletion(view) : endEntry(view)) },
+        ...closeBracketsKeymap, ...offers.keys, ...searchKeymap, ...foldKeymap, ...historyKeymap, ...defaultKeymap, { ...indentWithTab, run: indentBefore },
       ]),
       lineNumbers(), lintGutter({ hoverTime: 250 }), highlightActiveLineGutter(), foldGutter(), codeFolding(), highlightSpecialChars(),
       history(), drawSelection(), dropCursor(), EditorState.allowMultipleSelections.of(true), indentOnInput(), indentUnit.of("  "),
       EditorState.tabSize.of(2), bracketMatching(), closeBrackets(), rectangularSelection(), crosshairCursor(), highlightActiveLine(),
       highlightSelectionMatches(), search({ top: true }), yaml(), EditorView.lineWrapping, hanging, look, chosen,
       placeholder("Type a model, paste a mass-elastic table, or press Ctrl-Space"),
-      autocompletion({ override: [actions.complete], activateOnTypingDelay: 30, icons: false, maxRenderedOptions: 60 }),
+      autocompletion({ override: [actions.complete], activateOnTypingDelay: 30, icons: false, maxRenderedOptions: 60, defaultKeymap: false }),
       actions.hover,
       EditorView.contentAttributes.of({ "aria-label": "Model text", "aria-describedby": "leave", spellcheck: "false", autocorrect: "off" }),
       EditorView.updateListener.of((step) => {
+        offers.follow(step);
         if (step.docChanged) actions.changed(step.view, step);
         if (step.docChanged || step.selectionSet) actions.moved(step.view);
       }),
+      EditorView.inputHandler.of(blankBehindColon),
       EditorView.domEventHandlers({ paste: (event, view) => actions.paste(event, view), beforeinput: overwrite }),
       writable.of(EditorState.readOnly.of(false)),
     ],
@@ -71,12 +75,66 @@ function overwrite(event, view) {
   return true;
 }
 
-// Tab behind the first word of a line does nothing: it would move the line out of its section.
+// Enter takes an offer only after an arrow key, or where the offer goes on with the word that is written.
+function makeOffers() {
+  let isChosen = false;
+  const keys = completionKeymap.filter(({ key }) => key !== "Enter").map((one) => ({
+    ...one,
+    run: (view) => {
+      const did = one.run(view);
+      isChosen ||= did && /^(Arrow|Page)/.test(one.key);
+      return did;
+    },
+  }));
+  return {
+    keys,
+    follow: (step) => (isChosen &&= !step.docChanged && completionStatus(step.state) === "active"),
+    isMeant(view) {
+      if (completionStatus(view.state) !== "active") return false;
+      const { head } = view.state.selection.main;
+      const line = view.state.doc.lineAt(head);
+      const [word] = /[\w.*/^]*$/.exec(line.text.slice(0, head - line.from));
+      const marked = view.dom.querySelector(".cm-tooltip-autocomplete [aria-selected] .cm-completionLabel")?.textContent ?? "";
+      return isChosen || (word !== "" && marked.toLowerCase().startsWith(word.toLowerCase()));
+    },
+  };
+}
+
+// Enter within brackets that nothing but their ends follows ends the entry; a blank behind a colon does not stay alone.
+function endEntry(view) {
+  const { head, empty } = view.state.selection.main;
+  const line = view.state.doc.lineAt(head);
+  const [before, after] = [line.text.slice(0, head - line.from), line.text.slice(head - line.from)];
+  if (empty && /^( [\w*^/]+)?[\]} ]*[\]}] *$/.test(after) && !/[[{,]\s*$/.test(before)) view.dispatch({ selection: { anchor: line.to } });
+  else if (empty && !after && /\w: $/.test(before)) view.dispatch({ changes: { from: head - 1, to: head } });
+  return false; // the new line is made by the editor
+}
+
+// A blank follows the colon behind a key at the end of a line; one that is typed all the same is this one.
+function blankBehindColon(view, from, to, text) {
+  const line = view.state.doc.lineAt(from);
+  const before = line.text.slice(0, from - line.from);
+  if (from !== to || from !== line.to) return false;
+  if (text === " " && /^\s*(- )?[\w.-]+: $/.test(before)) return true;
+  if (text !== ":" || !/^\s*(- )?[\w.-]+$/.test(before)) return false;
+  view.dispatch({ changes: { from, insert: ": " }, selection: { anchor: from + 2 }, userEvent: "input.type" });
+  return true;
+}
+
+// Tab behind the first word of a line goes to the next line that waits for a first entry; it would move the line out of
+// its section.
 function indentBefore(view) {
   const { from, to } = view.state.selection.main;
-  const line = view.state.doc.lineAt(from);
-  const isWithin = to <= line.to && line.text.slice(0, from - line.from).trim();
-  return isWithin ? true : indentWithTab.run(view);
+  const { doc } = view.state;
+  const line = doc.lineAt(from);
+  if (to > line.to || !line.text.slice(0, from - line.from).trim()) return indentWithTab.run(view);
+  for (let number = line.number + 1; number <= doc.lines; number += 1) {
+    const next = doc.line(number);
+    if (!/^ +$/.test(next.text) || !/^\w+:\s*$/.test(doc.line(number - 1).text)) continue;
+    view.dispatch({ selection: { anchor: next.to }, scrollIntoView: true });
+    break;
+  }
+  return true;
 }
 
 function linesOf(state, range) {

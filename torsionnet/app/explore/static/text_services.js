@@ -6,9 +6,9 @@ import { chooseOne, writeOne } from "./dialogs.js";
 import { applyEdits, select } from "./edits.js";
 import { say } from "./saying.js";
 
-const BEGUN = /[\w.]$|[:,[{]\s$|:\s+[-+.\deE]+\s$/; // typing on here asks for words by itself
+const BEGUN = /[\w.]$|\w\*$|[:,[{]\s$|:\s+[-+.\deE]+\s$/; // typing on here asks for words by itself
 const NUMBER = /^\.?\d/;
-const GAP = /: [,}]/; // a value that is still to be written; Tab goes from one to the next
+const GAP = /(?<=: )(?=[,}\n]| Hz|$)|(?<=\[)(?=, |\])|(?<=, )(?=\])/g; // a value that is still to be written; Tab goes from one to the next
 const KINDS = { "element type": "type", entry: "property", node: "variable", parameter: "constant", unit: "unit", size: "enum" };
 
 export async function complete(context) {
@@ -18,8 +18,13 @@ export async function complete(context) {
   const begun = context.matchBefore(/[\w.]+/);
   if (begun && NUMBER.test(begun.text)) return null; // Enter ends a number, and nothing may hang on to it
   const text = state.doc.toString();
-  const offered = async (place) => (await ask("complete", { text, at: place }).catch(() => ({}))).options ?? [];
+  // A question that came too late has taken the place of this one: it is asked again, unless nobody waits for it.
+  const offered = async (place) => {
+    const found = await ask("complete", { text, at: place }).catch(() => ({}));
+    return found.superseded && !context.aborted ? offered(place) : (found.options ?? []);
+  };
   let options = await offered(at);
+  if (context.aborted) return null;
   if (!options.length && begun) options = await offered(begun.from); // what may stand here, for the editor to choose from
   if (!options.length || context.aborted) return null;
   const [only] = options;
@@ -37,7 +42,10 @@ function option({ label, kind, detail, documentation, insert, from, to }, start,
     boost: -Math.min(place, 90) / 10, // the server's order, unless what is typed speaks for another
     apply: (view, _, begin, end) => {
       const [first, last] = [begin + from - start, end + Math.max(0, to - at)];
-      if (GAP.test(insert) && !insert.includes("\n")) return snippet(insert.replaceAll(/: (?=[,}])/g, ": ${}"))(view, null, first, last);
+      if (/: (?=[,}\n])|\[(?=,)|, \]/.test(insert)) {
+        const indent = /^ */.exec(view.state.doc.lineAt(begin).text)[0]; // the editor indents lines as the first, the server has done so
+        return snippet(insert.replaceAll(`\n${indent}`, "\n").replaceAll(GAP, "${}"))(view, null, first, last);
+      }
       return view.dispatch({ changes: { from: first, to: last, insert }, selection: { anchor: first + insert.length }, userEvent: "input.complete", scrollIntoView: true });
     },
   };

@@ -2,8 +2,9 @@
 
 import { ask, askAbout } from "./api.js";
 import { keepDraft, keptDraft } from "./drafts.js";
-import { replaceText, select } from "./edits.js";
+import { applyEdits, replaceText, select } from "./edits.js";
 import { makeFaults } from "./faults.js";
+import { copy } from "./files.js";
 import { pasteTable } from "./pasting.js";
 import { results } from "./results.js";
 import { say } from "./saying.js";
@@ -50,7 +51,10 @@ export async function openText(nonce, schematic) {
   const opened = await ask("open");
   begin(opened.text);
   sync = makeSync(view, opened.revision, {
-    faults: faults.show,
+    faults: (found) => {
+      faults.show(found);
+      results.explain(found);
+    },
     stale: (is) => {
       results.stale(is);
       button();
@@ -62,6 +66,11 @@ export async function openText(nonce, schematic) {
     outline: follow,
   });
   file = makeFile(view, opened, (unsaved) => keepDraft(opened.path_shown, view.state.doc.toString(), unsaved));
+  results.makesParameters(({ element, entry, symbol }) => act(async () => {
+    const { edits, refused } = await ask("parameter", { text: view.state.doc.toString(), element, entry, symbol });
+    say(refused ? refused.join(" ") : `${symbol} of ${element} is a parameter now. Ctrl-Z takes it back.`);
+    if (edits) applyEdits(view, edits, "parameter");
+  })(view));
   offerDrafts(view, opened, file);
   addEventListener("keydown", (event) => {
     if (!(event.ctrlKey || event.metaKey) || event.altKey) return;
@@ -72,6 +81,9 @@ export async function openText(nonce, schematic) {
     act(found)(view);
   });
   at("save").addEventListener("click", () => act(() => file.save())(view));
+  at("download").addEventListener("click", () => file.download());
+  at("copy").addEventListener("click", act(async () => say(await copy(at("command")))));
+  at("ways").addEventListener("click", () => at("ways").hidePopover());
   at("outline").addEventListener("click", () => act(showOutline)(view));
   at("format").addEventListener("click", () => act(format)(view));
   at("write").addEventListener("click", () => act(writeValues)(view));

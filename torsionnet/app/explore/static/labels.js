@@ -1,0 +1,48 @@
+// Words of the schematic at any zoom: never smaller than can be read, and only as many as have room, names first.
+
+const LEAST = 11; // pixels
+const CELL = 60; // pixels of the grid in which neighbours are looked for
+const MOST = 1.8; // factor by which words are enlarged before those on values are left out
+const FIRST = ["text-node", "text-name", "text-input", "text-sensor", "text-value"];
+
+export function makeLabels(svg) {
+  const all = [...svg.querySelectorAll("text")].map((node) => {
+    const size = Number(node.getAttribute("font-size"));
+    const parts = [...node.querySelectorAll("[font-size]")].map((part) => [part, Number(part.getAttribute("font-size"))]);
+    const rank = FIRST.indexOf(node.classList[0]);
+    const [x, y] = ["x", "y"].map((name) => Number(node.getAttribute(name)));
+    return { node, size, parts, x, y, rank: rank < 0 ? FIRST.length : rank, isLeft: node.getAttribute("text-anchor") === "start", wide: 0 };
+  }).sort((one, other) => one.rank - other.rank);
+  return {
+    // `scale`: pixels for a point
+    fit(scale) {
+      const taken = new Map();
+      for (const one of all) {
+        const size = Math.max(one.size, LEAST / scale);
+        if (one.rank >= FIRST.indexOf("text-value") && size > MOST * one.size) {
+          one.node.toggleAttribute("data-crowded", true);
+          continue;
+        }
+        one.node.removeAttribute("data-crowded"); // only what is shown has a length
+        one.wide ||= one.node.getComputedTextLength() / Number(one.node.getAttribute("font-size"));
+        one.node.setAttribute("font-size", size);
+        for (const [part, own] of one.parts) part.setAttribute("font-size", Math.max(own, LEAST / scale));
+        const [wide, high] = [one.wide * size * scale, size * scale];
+        const left = one.x * scale - (one.isLeft ? 0 : wide / 2);
+        one.node.toggleAttribute("data-crowded", !claim(taken, { left, right: left + wide, top: one.y * scale - high, bottom: one.y * scale }));
+      }
+    },
+  };
+}
+
+// Whether a box is free, which it no longer is then.
+function claim(taken, box) {
+  const cells = [];
+  for (let x = Math.floor(box.left / CELL); x <= box.right / CELL; x += 1) {
+    for (let y = Math.floor(box.top / CELL); y <= box.bottom / CELL; y += 1) cells.push(`${x} ${y}`);
+  }
+  const meets = (other) => box.left < other.right && other.left < box.right && box.top < other.bottom && other.top < box.bottom;
+  if (cells.some((cell) => taken.get(cell)?.some(meets))) return false;
+  for (const cell of cells) taken.set(cell, [...(taken.get(cell) ?? []), box]);
+  return true;
+}

@@ -1,0 +1,13 @@
+// Shapes and words of SVG.
+
+const SVG = "http://www.w3.org/2000/svg";
+
+export function shape(tag, attributes) {
+  const node = document.createElementNS(SVG, tag);
+  for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value);
+  return node;
+}
+
+export function word(text, x, y, kind, more = {}) {
+  return Object.assign(shape("text", { x, y, class: kind, ...more }), { textContent: text });
+}
