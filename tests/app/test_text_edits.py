@@ -6,7 +6,7 @@ import random
 import pytest
 from support import campaigns
 
-from torsionnet.app.text.text_edits import WrittenText, edited
+from torsionnet.app.text.text_edits import WrittenText, as_parameter, edited
 from torsionnet.base.errors import UsageError
 from torsionnet.model.files.library import library_models
 from torsionnet.model.files.located_yaml import compose
@@ -196,3 +196,23 @@ def test_edits_of_library_models_change_nothing_else():
         assert compose(inserted(new, name, elements[name]), "").data == compose(text, "").data
         gone = [line for line in text.splitlines() if line not in new.splitlines()]
         assert len(gone) <= 1 + text.count("\n") - new.count("\n")
+
+
+@pytest.mark.parametrize(
+    ("text", "file", "expected"),
+    [
+        ("parameters:\n  J_m: 3\nelements:\n  m:\n    type: inertia\n    node: a\n    inertia: 2 kg*m^2  # known\n", "m.yaml",
+         "parameters:\n  J_m: 3\n  J_m_2: 2 kg*m^2\nelements:\n  m:\n    type: inertia\n    node: a\n    inertia: J_m_2  # known\n"),
+        ('{"elements": {"m": {"type": "inertia", "node": "a", "inertia": 2.5}}}', "m.json",
+         '{"parameters": {"J_m": 2.5}, "elements": {"m": {"type": "inertia", "node": "a", "inertia": "J_m"}}}'),
+    ],
+)  # fmt: skip
+def test_a_number_of_an_element_becomes_a_parameter(text, file, expected):
+    assert edited(text, as_parameter(text, "m", "inertia", "J", file)) == expected
+
+
+def test_what_is_no_number_of_the_text_becomes_no_parameter():
+    with pytest.raises(UsageError, match="no entry elements"):
+        as_parameter("elements: {m: {type: inertia}}", "m", "inertia", "J")
+    with pytest.raises(UsageError, match="no number"):
+        as_parameter("elements: {m: {type: spring, stiffness: {0: 1}}}", "m", "stiffness", "k")

@@ -1,6 +1,6 @@
 // Words of the schematic at any zoom: never smaller than can be read, and only as many as have room, names first.
 
-const LEAST = 11; // pixels
+const LEAST = 11.1; // pixels
 const CELL = 60; // pixels of the grid in which neighbours are looked for
 const MOST = 1.8; // factor by which words are enlarged before those on values are left out
 const FIRST = ["text-node", "text-name", "text-input", "text-sensor", "text-value"];

@@ -89,6 +89,7 @@ function drag(row, change, event) {
 // A bare number is meant in the unit beside the field; any other text goes to the library, which reads units.
 function type(row, change, event) {
   const text = withPoint(row.field.value.trim());
+  row.field.value = text;
   const isNumber = text !== "" && Number.isFinite(Number(text));
   missing(row, text === "");
   if (text === "") return;

@@ -488,14 +488,13 @@ def _units_in_use(writing: Writing) -> tuple[str, ...]:
             specs = dict(ELEMENT_TYPES[kind].specs())
             used = (getattr(specs.get(key), "dimension", None) for key, value in raw.items() if value == parameter)
             first += [unit for one in used if one in DIMENSIONS for unit in units_of(str(one))]
-    by_name = _USUAL_LETTERS.get(parameter.partition("_")[0], "")
-    first += units_of(by_name) if by_name and not first else ()
     written = _written(_part_or_own(writing, parameter))
     own = _dimension(written)
     if own is not None:
         first.append(re.sub(r"^[-+.\d]+(?:[eE][-+]?\d+)?\s*", "", written.strip()))
     first += [unit for name, one in DIMENSIONS.items() if own is not None and one == own for unit in units_of(name)]
-    return tuple(dict.fromkeys([*first, *usual_units()]))
+    by_name = _USUAL_LETTERS.get(parameter.partition("_")[0])
+    return tuple(dict.fromkeys([*first, *(units_of(by_name) if by_name and not first else ()), *usual_units()]))
 
 
 def _part_or_own(writing: Writing, parameter: str) -> Any:
