@@ -16,20 +16,18 @@ export function makeLabels(svg) {
   return {
     // `scale`: pixels for a point
     fit(scale) {
+      if (!all[0]?.wide) for (const one of all) one.wide = one.node.getComputedTextLength() / one.size; // 0 in a hidden pane
       const taken = new Map();
       for (const one of all) {
         const size = Math.max(one.size, LEAST / scale);
-        if (one.rank >= FIRST.indexOf("text-value") && size > MOST * one.size) {
-          one.node.toggleAttribute("data-crowded", true);
-          continue;
-        }
-        one.node.removeAttribute("data-crowded"); // only what is shown has a length
-        one.wide ||= one.node.getComputedTextLength() / Number(one.node.getAttribute("font-size"));
-        one.node.setAttribute("font-size", size);
-        for (const [part, own] of one.parts) part.setAttribute("font-size", Math.max(own, LEAST / scale));
+        const isSmall = one.rank >= FIRST.indexOf("text-value") && size > MOST * one.size;
         const [wide, high] = [one.wide * size * scale, size * scale];
         const left = one.x * scale - (one.isLeft ? 0 : wide / 2);
-        one.node.toggleAttribute("data-crowded", !claim(taken, { left, right: left + wide, top: one.y * scale - high, bottom: one.y * scale }));
+        const isFree = !isSmall && claim(taken, { left, right: left + wide, top: one.y * scale - high, bottom: one.y * scale });
+        one.node.toggleAttribute("data-crowded", !isFree);
+        if (!isFree) continue;
+        one.node.setAttribute("font-size", size);
+        for (const [part, own] of one.parts) part.setAttribute("font-size", Math.max(own, LEAST / scale));
       }
     },
   };
