@@ -137,8 +137,8 @@ def _paste(document: Document, request: PageRequest) -> Answer:
 
 def _parameter(document: Document, request: PageRequest) -> Answer:
     asked = TextQuestion(document, request, "element", "entry", "symbol")
-    named = (request.short(key) for key in ("element", "entry", "symbol"))
-    return {"edits": asked.counting.edits(as_parameter(asked.text, *named, asked.file))}
+    element, entry, symbol = (request.short(key) for key in ("element", "entry", "symbol"))
+    return {"edits": asked.counting.edits(as_parameter(asked.text, element, entry, symbol, asked.file))}
 
 
 TEXT_QUESTIONS: Mapping[str, Callable[[Document, PageRequest], Answer]] = {

@@ -155,7 +155,7 @@ class _Rows:
     def _with_shafts_of_next(self) -> list[Row]:
         """Rows with what the row below says of its shaft, which leads from this mass to that one."""
         places = [one.place for key in _OF_SHAFTS if (one := self.values.columns.of(key))]
-        found = []
+        found: list[Row] = []
         for row, below in zip(self.all, [*self.all[1:], ()], strict=True):
             moved = [*row, *(Cell("", row[0].line, 1) for _ in range(len(row), max(places) + 1))]
             for place in places:

@@ -192,7 +192,8 @@ def _next_nodes(writing: Writing, spec: Spec[Any] | None, is_one: bool) -> str:
     """
     last = writing.names.nodes[-1] if writing.names.nodes else ""
     if isinstance(spec, NodePair):
-        stem, letter, digits = re.fullmatch(r"(.*?)((?<![A-Za-z])[A-Za-y]|)(\d*)", last).groups()
+        found = re.fullmatch(r"(.*?)((?<![A-Za-z])[A-Ya-y]|)(\d*)", last)
+        stem, letter, digits = found.groups() if found else (last, "", "")
         following = f"{stem}{letter}{int(digits) + 1}" if digits else f"{stem}{chr(ord(letter) + 1)}" if letter else ""
         return f"[{last}, {following}]"
     return last if isinstance(spec, NodeName) and is_one else ""
