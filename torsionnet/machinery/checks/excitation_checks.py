@@ -46,10 +46,10 @@ def unfit_excitations(definition: Definition) -> list[Fault]:
         return faults
     try:
         ratios, without = ({}, []) if wrong else _shaft_ratios(definition, values)
-        found = [*without, *(() if wrong else _rigid(definition, values)), *_on_imposed(definition)]
+        mismatches = [*without, *(() if wrong else _rigid(definition, values)), *_on_imposed(definition)]
     except (TorsionnetError, ArithmeticError):  # an element that cannot be calculated is a fault of its values
         return []
-    return found or [*_remarks(definition, ratios)]
+    return mismatches or [*_remarks(definition, ratios)]
 
 
 def _unfit_elements(definition: Definition) -> Iterator[Fault]:
@@ -89,7 +89,9 @@ def _places(name: str, excitation: OrderExcitation) -> Iterator[tuple[str, Entry
 
 def _has_values(definition: Definition, values: Mapping[str, Any]) -> bool:
     """Whether every parameter that the elements of a model name has a value; missing ones are reported elsewhere."""
-    return all(one.names <= values.keys() for element in definition.active for _, _, one, _ in element.expressions())
+    return all(
+        formula.names <= values.keys() for element in definition.active for _, _, formula, _ in element.expressions()
+    )
 
 
 def _rigid(definition: Definition, values: Mapping[str, Any]) -> Iterator[Fault]:
@@ -142,7 +144,7 @@ def _in_run_up(definition: Definition, name: str, ratios: Mapping[str, float]) -
 
 def _between_engines(definition: Definition) -> Iterator[Fault]:
     """Notes on engines of a model whose phase angle to each other is not given."""
-    acting = {name: one for name, one in definition.excitations.items() if one.enabled}
+    acting = {name: excitation for name, excitation in definition.excitations.items() if excitation.enabled}
     engines = unlocked_engines(acting, definition.excitations)
     first = next(iter(engines.values()), "")
     for name in dict.fromkeys(engines.values()):
@@ -158,12 +160,12 @@ def _between_engines(definition: Definition) -> Iterator[Fault]:
 
 def _on_imposed(definition: Definition) -> Iterator[Fault]:
     """Faults of torques on nodes whose motion another excitation imposes."""
-    acting = {name: one for name, one in definition.excitations.items() if one.enabled}
-    motions = [(name, one) for name, one in acting.items() if one.quantity == "angle"]
-    imposed = {frozenset(one.channel(node).nodes): name for name, one in motions for node in one.nodes}
-    for name, one in acting.items():
-        for path, node in one.node_entries if one.quantity == "torque" else ():
-            channel = one.channel(node)
+    acting = {name: excitation for name, excitation in definition.excitations.items() if excitation.enabled}
+    motions = [(name, excitation) for name, excitation in acting.items() if excitation.quantity == "angle"]
+    imposed = {frozenset(source.channel(node).nodes): name for name, source in motions for node in source.nodes}
+    for name, excitation in acting.items():
+        for path, node in excitation.node_entries if excitation.quantity == "torque" else ():
+            channel = excitation.channel(node)
             by = imposed.get(frozenset(channel.nodes)) or _all_imposed(channel, imposed)
             if by is not None:
                 said = "the motion of {} is imposed by {}; a torque there does nothing"
@@ -187,14 +189,20 @@ about the slip."""
 def archer_at_small_torque(external: ExternalTorques) -> Iterator[Fault]:
     """Warnings about damping by Archer from a torque far below that of full ahead, at rated speed."""
     rated = external.rated_speed
-    ahead = [one for one in external.definition.excitations.values() if isinstance(one, PropellerTorque)]
-    screws = [one for one in external.definition.active if isinstance(one, Propeller) and one.archer is not None]
+    ahead = [screw for screw in external.definition.excitations.values() if isinstance(screw, PropellerTorque)]
+    screws = [
+        element
+        for element in external.definition.active
+        if isinstance(element, Propeller) and element.archer is not None
+    ]
     if not rated or not ahead or not screws:
         return
     values = _values(external, rated)
     for screw in screws:
         torque = not_none(screw.torque)
-        full = next((one for one in ahead if one.node == screw.node and torque.names <= values.keys()), None)
+        full = next(
+            (propeller for propeller in ahead if propeller.node == screw.node and torque.names <= values.keys()), None
+        )
         ratio = abs(external.ratios.get(str(screw.node), 0.0))
         if full is None or not ratio:
             continue
@@ -220,7 +228,7 @@ def _values(external: ExternalTorques, speed: float) -> Mapping[str, Any]:
     if not external.definition.following:
         return external.values
     try:
-        found = OperatingPoints(external).at(speed)
+        operating = OperatingPoints(external).at(speed)
     except UsageError:
         return {}
-    return resolve(with_operating_values(external.definition, found).parameters)[0]
+    return resolve(with_operating_values(external.definition, operating).parameters)[0]

@@ -27,12 +27,12 @@ def unfit_limits(definition: Definition) -> list[Fault]:
     known = {"element": subject.elements, "node": subject.nodes}
     faults: list[Fault] = []
     for name, limit in definition.limits.items():
-        found = [
+        own_faults = [
             unknown_name(kind, what, known[kind], path) for path, kind, what in limit.named if what not in known[kind]
         ]
-        if not found and not wrong:
-            found = [*_unfit(limit, subject), *unit_slips(limit)]
-        faults += [fault.under("limits", name) for fault in found]
+        if not own_faults and not wrong:
+            own_faults = [*_unfit(limit, subject), *unit_slips(limit)]
+        faults += [fault.under("limits", name) for fault in own_faults]
     return faults
 
 
@@ -49,7 +49,7 @@ def _unfit(limit: Limit, subject: LimitSubject) -> Iterator[Fault]:
 
 def limit_subject(definition: Definition, values: Mapping[str, Any]) -> LimitSubject:
     """View of a model in its base configuration, as the checks of limits need it."""
-    engines = [one for one in definition.excitations.values() if isinstance(one, ReciprocatingEngine)]
+    engines = [source for source in definition.excitations.values() if isinstance(source, ReciprocatingEngine)]
     speeds = definition.speeds
     return LimitSubject(
         elements=definition.elements,
@@ -70,19 +70,19 @@ def limit_subject(definition: Definition, values: Mapping[str, Any]) -> LimitSub
 
 def _has_fixed_pitch(definition: Definition) -> bool:
     """Whether a model has propellers as excitations, and all of them are of fixed pitch."""
-    pitches = {one.pitch for one in definition.excitations.values() if isinstance(one, PropellerTorque)}
+    pitches = {source.pitch for source in definition.excitations.values() if isinstance(source, PropellerTorque)}
     return pitches == {"fixed"}
 
 
 def propels(definition: Definition) -> bool:
     """Whether a model is one of machinery that propels a ship: it has a propeller, or propulsion shafts by UR M68."""
-    kinds = {one.kind for one in (*definition.excitations.values(), *definition.elements.values())}
-    return "propeller" in kinds or any(isinstance(one, IacsM68) for one in definition.limits.values())
+    kinds = {part.kind for part in (*definition.excitations.values(), *definition.elements.values())}
+    return "propeller" in kinds or any(isinstance(limit, IacsM68) for limit in definition.limits.values())
 
 
 def is_generating_set(definition: Definition) -> bool:
     """Whether a model is one of a piston engine that drives a generator and no propeller."""
-    excited = {one.kind for one in definition.excitations.values()}
-    elements = {one.kind for one in definition.elements.values()}
-    generates = elements & GENERATORS or {one.kind for one in definition.limits.values()} & GENERATOR_LIMITS
+    excited = {excitation.kind for excitation in definition.excitations.values()}
+    elements = {element.kind for element in definition.elements.values()}
+    generates = elements & GENERATORS or {limit.kind for limit in definition.limits.values()} & GENERATOR_LIMITS
     return "reciprocating_engine" in excited and bool(generates) and "propeller" not in excited | elements

@@ -58,7 +58,9 @@ Likely: TypeAlias = tuple[str, str]
 def likely_speed(stated: float, expected: float, node: str, known: Mapping[str, float]) -> Likely:
     """Question whether a speed in rad/s is that of another node, or in a wrong unit."""
     meant = f"{expected * RPM:.6g} rpm"
-    other = next((one for one, speed in known.items() if one != node and _is(stated, speed, LIKELY_SPEED_SHARE)), None)
+    other = next(
+        (name for name, speed in known.items() if name != node and _is(stated, speed, LIKELY_SPEED_SHARE)), None
+    )
     if other is not None:
         return f": that is the speed of {other}{question(meant)}", meant
     if _is(stated * RPM, expected, LIKELY_SPEED_SHARE):
@@ -75,12 +77,12 @@ def likely_power(stated: float, expected: float, rating: Rating, ratios: Mapping
     slips = _OF_TORQUE if of_torque else _THOUSANDS
     near = LIKELY_POWER_SHARE if rating.shares[0] < 1 else LIKELY_POWER_SHARE / 2
     # Stated over expected is near a factor of a thousand or a million: a prefix that was mistaken.
-    found = next((text for factor, text in slips.items() if _is(share, factor, near)), None)
-    if found is not None:
+    slip = next((text for factor, text in slips.items() if _is(share, factor, near)), None)
+    if slip is not None:
         if rating.power is None and not of_torque:
             return "; is the load in the right unit?", ""
         right = f"{_short(abs(rating.torque) / share / 1e3)} kN*m" if of_torque else power_text(expected)
-        return f'; {found}? Did you mean "{right}"?', right
+        return f'; {slip}? Did you mean "{right}"?', right
     if of_torque:
         # A torque on the wrong side of a gear is off by its ratio.
         side = next(
@@ -94,13 +96,13 @@ def likely_power(stated: float, expected: float, rating: Rating, ratios: Mapping
 
 def likely_load(power: float, share: float, torque: float | None) -> Likely:
     """Question whether a load in W has the right unit, if its power is stated elsewhere as ``share`` times as much."""
-    found = next((text for factor, text in (_THOUSANDS if torque is None else _OF_TORQUE).items()
+    slip = next((text for factor, text in (_THOUSANDS if torque is None else _OF_TORQUE).items()
                   if _is(1 / share, factor, LIKELY_POWER_SHARE)), None)  # fmt: skip
-    if found is None:
+    if slip is None:
         return "", ""
     factor = 10.0 ** round(math.log10(share))
     right = power_text(power * factor) if torque is None else f"{_short(torque * factor / 1e3)} kN*m"
-    return f'; {found}? Did you mean "{right}"?', right
+    return f'; {slip}? Did you mean "{right}"?', right
 
 
 def _is(value: float, other: float, share: float) -> bool:
@@ -164,33 +166,33 @@ def rating_mismatches(external: ExternalTorques) -> list[Fault]:
     if any(fault.path[0] == LOAD for fault in faults):  # its power at rated speed follows from that
         return faults
     unlike = [*_absorbed(external, machines, work), *_given(external, machines, work)]
-    return faults + (_of_load(external, unlike, work) or [one.fault for one in unlike])
+    return faults + (_of_load(external, unlike, work) or [mismatch.fault for mismatch in unlike])
 
 
 def _ratios(external: ExternalTorques) -> dict[str, float]:
     """Absolute ratio of every node's speed to that of the reference node, by node, the latter first."""
-    found = {node: abs(ratio) for node, ratio in external.ratios.items() if ratio}
-    return {external.reference: 1.0, **found}
+    ratios = {node: abs(ratio) for node, ratio in external.ratios.items() if ratio}
+    return {external.reference: 1.0, **ratios}
 
 
 def _of_load(external: ExternalTorques, unlike: Sequence[_Unlike], work: Mapping[str, float]) -> list[Fault]:
     """Warning about the load, where one slip in its unit explains the differences to two machines or more."""
-    load, sizes = external.definition.load, [one.share for one in unlike]
+    load, sizes = external.definition.load, [mismatch.share for mismatch in unlike]
     # The same ratio at several machines points to the one value that they are compared with.
     if load is None or load.absorbers or len(sizes) < 2 or max(sizes) > (1 + SAME_SLIP_SHARE) * min(sizes):
         return []
     entry = next((name for name in ("power", "torque") if getattr(load, name) is not None), "over_speed")
-    stated = " and ".join(f"{one.machine.name} {power_text(one.machine.powers[0])}" for one in unlike)
+    stated = " and ".join(f"{mismatch.machine.name} {power_text(mismatch.machine.powers[0])}" for mismatch in unlike)
     text = f"the load takes {power_text(_taken(work))} at rated speed, but stated are of {stated}"
     cause, meant = likely_load(_taken(work), min(sizes), getattr(load, entry) if entry == "torque" else None)
     return [Fault(text + cause, ("load", entry), "warning", meant=meant, kind="contradicting-values")] if cause else []
 
 
 def _machines(external: ExternalTorques, rated: float) -> Iterator[_Machine]:
-    for name, one in external.definition.excitations.items():
-        rating, ratio = one.rating if one.enabled else None, external.ratios.get(one.shaft)
+    for name, excitation in external.definition.excitations.items():
+        rating, ratio = excitation.rating if excitation.enabled else None, external.ratios.get(excitation.shaft)
         if rating is not None and rating.torque and ratio:
-            yield _Machine(name, one, rating, abs(ratio) * rated)
+            yield _Machine(name, excitation, rating, abs(ratio) * rated)
 
 
 def _powers(external: ExternalTorques, rated: float) -> dict[str, float]:
@@ -203,9 +205,11 @@ def _powers(external: ExternalTorques, rated: float) -> dict[str, float]:
 def _speeds(external: ExternalTorques, machines: list[_Machine], rated: float) -> Iterator[Fault]:
     """Warnings about rated speeds that do not follow from that of the reference shaft by the gear ratios."""
     known = {node: ratio * rated for node, ratio in _ratios(external).items()}
-    for one in machines:
-        if one.rating.speed:
-            yield from _unlike(external, one.path(one.rating.speed_path), one.rating.speed, one.excitation.shaft, known)
+    for machine in machines:
+        if machine.rating.speed:
+            yield from _unlike(
+                external, machine.path(machine.rating.speed_path), machine.rating.speed, machine.excitation.shaft, known
+            )
     load = external.definition.load
     for place, absorber in zip(load.by_place if load else (), external.absorbers.items(), strict=True):
         path: EntryPath = ("load", "absorbers", place, "rated") if load and load.absorbers else ("load", "rated")
@@ -227,61 +231,74 @@ def _unlike(
 
 def _absorbed(external: ExternalTorques, machines: list[_Machine], work: Mapping[str, float]) -> Iterator[_Unlike]:
     """Machines that state another power than the load takes at their nodes, with their faults."""
-    absorbers = [one for one in machines if not one.is_driver]
-    for one in absorbers if work else ():
-        taken = -sum(work.get(node, 0.0) for node in one.excitation.nodes)
+    absorbers = [machine for machine in machines if not machine.is_driver]
+    for machine in absorbers if work else ():
+        taken = -sum(work.get(node, 0.0) for node in machine.excitation.nodes)
         if taken <= 0 and len(absorbers) == 1 and len(external.absorbers) == 1:
             taken = _taken(work)
-        if taken > 0 and not any(_agree(power, taken, one.rating.shares) for power in one.powers):
-            text = f"{one.name} takes {power_text(one.powers[0])} at rated speed"
+        if taken > 0 and not any(_agree(power, taken, machine.rating.shares) for power in machine.powers):
+            text = f"{machine.name} takes {power_text(machine.powers[0])} at rated speed"
             text += f", the load there {power_text(taken)}"
-            cause, meant = _cause(one, taken, external)
+            cause, meant = _cause(machine, taken, external)
             fault = Fault(
                 text + cause,
-                one.path(one.rating.path),
+                machine.path(machine.rating.path),
                 "warning",
                 about=LOAD,
                 meant=meant,
                 kind="contradicting-values",
             )
-            yield _Unlike(one, one.powers[0] / taken, fault)
+            yield _Unlike(machine, machine.powers[0] / taken, fault)
 
 
 def _given(external: ExternalTorques, machines: list[_Machine], work: Mapping[str, float]) -> Iterator[_Unlike]:
     """Engines that give less power than is taken from them, with notes on those that could give more."""
-    propellers = [one for one in machines if one.excitation.kind == PROPELLER]
-    total = _taken(work) if work else sum(one.powers[0] for one in propellers)
-    engines = [one for one in machines if one.is_driver]
-    for one in engines:
-        share = _share(external, one, len(engines))
-        if not share or not total or any(_agree(power, share * total, one.rating.shares) for power in one.powers):
+    propellers = [machine for machine in machines if machine.excitation.kind == PROPELLER]
+    total = _taken(work) if work else sum(machine.powers[0] for machine in propellers)
+    engines = [machine for machine in machines if machine.is_driver]
+    for machine in engines:
+        share = _share(external, machine, len(engines))
+        if (
+            not share
+            or not total
+            or any(_agree(power, share * total, machine.rating.shares) for power in machine.powers)
+        ):
             continue
-        wanted, given = share * total, one.powers[0]
-        indicated = " indicated" if one.rating.shares[0] < 1 else ""
-        text = f"{one.name} gives {power_text(given)}{indicated} at rated speed"
+        wanted, given = share * total, machine.powers[0]
+        indicated = " indicated" if machine.rating.shares[0] < 1 else ""
+        text = f"{machine.name} gives {power_text(given)}{indicated} at rated speed"
         text += f", {'the load takes' if work else 'propellers take'} {power_text(wanted)} from it"
-        cause, meant = _cause(one, wanted, external)
-        least = given * one.rating.shares[0]
+        cause, meant = _cause(machine, wanted, external)
+        least = given * machine.rating.shares[0]
         severity = "note" if least > wanted and not cause else "warning"
         fault = Fault(
-            text + cause, one.path(one.rating.path), severity, about=LOAD, meant=meant, kind="contradicting-values"
+            text + cause,
+            machine.path(machine.rating.path),
+            severity,
+            about=LOAD,
+            meant=meant,
+            kind="contradicting-values",
         )
-        yield _Unlike(one, given / wanted, fault)
+        yield _Unlike(machine, given / wanted, fault)
 
 
 def _taken(work: Mapping[str, float]) -> float:
     return -sum(min(0.0, power) for power in work.values())
 
 
-def _share(external: ExternalTorques, one: _Machine, engines: int) -> float | None:
+def _share(external: ExternalTorques, machine: _Machine, engines: int) -> float | None:
     """Share of the load's power that an engine gives; None where the load does not say."""
     load = external.definition.load
     if load is None or not load.driven_by:
         return 1.0 if engines == 1 else None
-    named = {name: share for name, share in load.driven_by.items() if name == one.name or name in one.excitation.nodes}
+    named = {
+        name: share
+        for name, share in load.driven_by.items()
+        if name == machine.name or name in machine.excitation.nodes
+    }
     if named:
         return float(sum(named.values()))
-    return 1.0 if engines == 1 and len(load.driven_by) == 1 and one.excitation.kind == ENGINE else None
+    return 1.0 if engines == 1 and len(load.driven_by) == 1 and machine.excitation.kind == ENGINE else None
 
 
 def _agree(stated: float, expected: float, shares: tuple[float, float]) -> bool:
@@ -289,9 +306,11 @@ def _agree(stated: float, expected: float, shares: tuple[float, float]) -> bool:
     return low * (1 - SAME_POWER_SHARE) <= expected <= high * (1 + SAME_POWER_SHARE)
 
 
-def _cause(one: _Machine, wanted: float, external: ExternalTorques) -> Likely:
-    if math.isclose(one.powers[0], 0.0):
+def _cause(machine: _Machine, wanted: float, external: ExternalTorques) -> Likely:
+    if math.isclose(machine.powers[0], 0.0):
         return "", ""
     ratios = _ratios(external)
-    own = ratios[one.excitation.shaft]
-    return likely_power(one.powers[0], wanted, one.rating, {node: ratio / own for node, ratio in ratios.items()})
+    own = ratios[machine.excitation.shaft]
+    return likely_power(
+        machine.powers[0], wanted, machine.rating, {node: ratio / own for node, ratio in ratios.items()}
+    )

@@ -94,7 +94,7 @@ def critical_speeds(
     ...     tn.Spring("shaft", nodes=("a", "b"), stiffness=1e4)]
     >>> fan = tn.Drivetrain("fan", elements, speeds={"of": "a", "list": ["500 rpm", "700 rpm"]},
     ...     excitations={"blades": {"type": "harmonic", "node": "b", "orders": {2: {"amplitude": "10 N*m"}}}})
-    >>> [(one.mode.number, one.order, one.generalised_force) for one in fan.critical_speeds().crossings]
+    >>> [(speed.mode.number, speed.order, speed.generalised_force) for speed in fan.critical_speeds().crossings]
     [(1, 2.0, 10.0)]
     """
     if not 0 <= reach < 1:
@@ -118,9 +118,9 @@ def critical_speeds(
     beside = [line for group in every.values() for line in group]
     search = CrossingSearch(held, title, reference, speed_range, every_line, rule, reach, lowest, beside)
     search.known = {name: search.known_speeds(name, ratio) for name, ratio in acting.items()}
-    crossings = [one for name, group in examined.items() for one in search.crossings(name, group)]
-    crossings.sort(key=lambda one: (one.mode.number, one.excitation, one.order, one.fixed, one.first_speed))
-    found = CriticalSpeeds(
+    crossings = [crossing for name, group in examined.items() for crossing in search.crossings(name, group)]
+    crossings.sort(key=lambda speed: (speed.mode.number, speed.excitation, speed.order, speed.fixed, speed.first_speed))
+    critical = CriticalSpeeds(
         reference=reference,
         speed_range=search.speed_range,
         modes=search.modes,
@@ -133,12 +133,12 @@ def critical_speeds(
         notes=tuple(search.notes()),
     )
     if isinstance(output, (list, tuple)) and not output:
-        return found
+        return critical
     # Peaks are searched only where modes and torques of all excitations are known.
     ends = [search.limits, search.over_speed.known, *search.known.values()]
     common = max(low for low, _ in ends), min(high for _, high in ends)
-    peaks, channels = with_speed_peaks(changed, found.crossings, output, reference, common)
-    return replace(found, crossings=peaks, outputs=channels)
+    peaks, channels = with_speed_peaks(changed, critical.crossings, output, reference, common)
+    return replace(critical, crossings=peaks, outputs=channels)
 
 
 def order_margins(
@@ -185,8 +185,8 @@ def _chosen_lines(known: Mapping[str, Sequence[OrderLine]], names: Iterable[str]
         raise UsageError(
             f"no order line is named {comma_list(missing)}; there are {comma_list(given)}", kind="unknown-name"
         )
-    found = {name: [line for line in group if str(line) in wanted] for name, group in known.items()}
-    return {name: group for name, group in found.items() if group}
+    chosen = {name: [line for line in group if str(line) in wanted] for name, group in known.items()}
+    return {name: group for name, group in chosen.items() if group}
 
 
 def _with_dampers(drivetrain: AssembledModel, state: str, names: Iterable[str] | None) -> AssembledModel:
@@ -213,13 +213,13 @@ class CrossingSearch:
         self.rule, self.reach, self.reference = rule, reach, reference
         self.limits = (speed_range[0] * (1 - reach), speed_range[1] * (1 + reach))
         self.known: dict[str, tuple[float, float]] = {}
-        found = vibration_modes(drivetrain, modes(drivetrain))
-        self.modes = tuple(sorted(found, key=lambda mode: mode.number))[:lowest]
-        required = [one for line in lines if rule and (one := rule.required(line.order))]
+        vibrations = vibration_modes(drivetrain, modes(drivetrain))
+        self.modes = tuple(sorted(vibrations, key=lambda mode: mode.number))[:lowest]
+        required = [margin for line in lines if rule and (margin := rule.required(line.order))]
         self.widest = max([reach, *required])
         highest = max((excited_frequencies(line, self.limits)[1] for line in (*lines, *beside)), default=0.0)
         self.over_speed = ModesOverSpeed.shared(
-            drivetrain, reference, speed_range, [mode.number for mode in found],
+            drivetrain, reference, speed_range, [mode.number for mode in vibrations],
             reach=self.widest, highest=FOLLOWED_ABOVE * highest,
         )  # fmt: skip
         self.turning = {
@@ -233,17 +233,17 @@ class CrossingSearch:
 
         Where the margin is less than required and they meet nowhere near it, that at which they are nearest.
         """
-        found = [one for mode in self.modes for line in lines for one in self._near(mode, line)]
+        crossings = [crossing for mode in self.modes for line in lines for crossing in self._near(mode, line)]
         excitation = self.drivetrain.definition.excitations.get(name)
-        return found if excitation is None else list(self._with_forces(found, excitation, self.known[name]))
+        return crossings if excitation is None else list(self._with_forces(crossings, excitation, self.known[name]))
 
     def nearest(self, mode: VibrationMode, line: OrderLine) -> CriticalSpeed:
         """Place in the operating range where a line is nearest to a mode, with the margin between the two."""
         beside = LineOverModes.of(line, self.over_speed)
         points = [beside.nearest(mode.number, curve) for curve in (NATURAL, UNDAMPED)]
         # Rules are kept by both frequencies, with damping and without: the nearer one counts.
-        there = [(0.0 if one.meets else abs(one.offset), one.speed) for one in points if one is not None]
-        margin, speed = min(there, key=lambda one: one[0], default=(math.nan, math.nan))
+        there = [(0.0 if point.meets else abs(point.offset), point.speed) for point in points if point is not None]
+        margin, speed = min(there, key=lambda pair: pair[0], default=(math.nan, math.nan))
         required = self.rule.required(line.order) if self.rule else None
         if not line.order and not self.over_speed.is_speed_dependent:
             speed = math.nan  # all speeds are as near
@@ -289,8 +289,8 @@ class CrossingSearch:
         low, high = self.speed_range[0] * (1 - reach), self.speed_range[1] * (1 + reach)
         for row in _crossings(every):
             main = row[NATURAL] or row[UNDAMPED]
-            if main is not None and any(one is not None and low <= one.speed <= high for one in row):
-                undamped, natural, damped = (math.nan if one is None else one.speed for one in row)
+            if main is not None and any(meeting is not None and low <= meeting.speed <= high for meeting in row):
+                undamped, natural, damped = (math.nan if meeting is None else meeting.speed for meeting in row)
                 there = self._mode_at(mode, main.speed)
                 count += 1
                 yield replace(
@@ -308,7 +308,7 @@ class CrossingSearch:
         """The mode of the same number at a speed in rad/s."""
         if not self.over_speed.is_speed_dependent or math.isnan(speed):
             return mode
-        return next((one for one in self.over_speed.at(speed) if one.number == mode.number), mode)
+        return next((other for other in self.over_speed.at(speed) if other.number == mode.number), mode)
 
     def _with_forces(
         self, near: Sequence[CriticalSpeed], excitation: OrderExcitation, known: tuple[float, float]
@@ -316,45 +316,45 @@ class CrossingSearch:
         if not near:
             return
         # Torques at the critical speed, or at the nearest one that the data of the excitation cover.
-        speeds = np.clip([self._acting_speed(one) for one in near], *known)
-        found = excitation.torques(speeds * float(near[0].ratio))
-        frequencies = np.zeros(len(found.orders)) if found.fixed is None else found.fixed
-        lines = list(zip(found.orders.tolist(), frequencies.tolist(), strict=True))
+        speeds = np.clip([self._acting_speed(crossing) for crossing in near], *known)
+        torques = excitation.torques(speeds * float(near[0].ratio))
+        frequencies = np.zeros(len(torques.orders)) if torques.fixed is None else torques.fixed
+        lines = list(zip(torques.orders.tolist(), frequencies.tolist(), strict=True))
         # A torque drives the shaft it is on, whichever way that turns.
         senses = input_senses(self.drivetrain, excitation, self.reference)
-        for number, one in enumerate(near):
-            shape = dict(zip(self.drivetrain.assembly.nodes, one.mode.shape.tolist(), strict=True))
+        for number, crossing in enumerate(near):
+            shape = dict(zip(self.drivetrain.assembly.nodes, crossing.mode.shape.tolist(), strict=True))
             largest = self._largest(shape, excitation.shaft)
             # A torque between two nodes works on their relative angle: phi_n - phi_reaction.
             still = shape.get(excitation.reaction_node or "", 0.0)
             shape |= {node: sense * (shape[node] - still) for node, sense in senses.items() if node in shape}
-            at = number, lines.index((one.order, one.fixed))
-            yield self._with_force(one, excitation, found, at, shape, largest)
+            at = number, lines.index((crossing.order, crossing.fixed))
+            yield self._with_force(crossing, excitation, torques, at, shape, largest)
 
     def _with_force(
         self,
-        one: CriticalSpeed,
+        crossing: CriticalSpeed,
         excitation: OrderExcitation,
-        found: OrderTorques,
+        torques: OrderTorques,
         at: tuple[int, int],
         shape: Mapping[str, complex],
         largest: float,
     ) -> CriticalSpeed:
         if excitation.quantity != "torque":
-            return replace(one, excited=bool(found.amplitudes[at].any()))
-        force = generalised_force(excitation, found, at, shape, largest)
-        title = phrase("{order}, mode {mode}", order=self.title, mode=one.mode.number) + (
+            return replace(crossing, excited=bool(torques.amplitudes[at].any()))
+        force = generalised_force(excitation, torques, at, shape, largest)
+        title = phrase("{order}, mode {mode}", order=self.title, mode=crossing.mode.number) + (
             f", {force.case}" if force.case else ""
         )
         return replace(
-            one,
+            crossing,
             generalised_force=force.value,
             relative_force=force.relative,
-            star=star_diagram(excitation, one.excitation, one.order, shape, title, force.part),
+            star=star_diagram(excitation, crossing.excitation, crossing.order, shape, title, force.part),
             excited=force.acts,
             case=force.case,
             force_by_case=force.by_case,
-            modal_inertia=self._modal_inertia(one.mode),
+            modal_inertia=self._modal_inertia(crossing.mode),
         )
 
     def _modal_inertia(self, mode: VibrationMode) -> float:
@@ -369,10 +369,10 @@ class CrossingSearch:
         assembly = self.drivetrain.assembly
         return [assembly.node_index[name] for name in assembly.kinematics.coordinates]
 
-    def _acting_speed(self, one: CriticalSpeed) -> float:
+    def _acting_speed(self, crossing: CriticalSpeed) -> float:
         """Critical speed in rad/s at which torques are taken, by natural frequency where that is in range."""
         low, high = self.limits
-        speeds = (one.natural_speed, one.undamped_speed, one.damped_speed, one.nearest_speed)
+        speeds = (crossing.natural_speed, crossing.undamped_speed, crossing.damped_speed, crossing.nearest_speed)
         return next((speed for speed in speeds if low <= speed <= high), self.speed_range[1])
 
     def _largest(self, shape: Mapping[str, complex], shaft: str) -> float:
@@ -405,11 +405,11 @@ def _crossings(every: Sequence[Sequence[Meeting]]) -> list[list[Meeting | None]]
         # Nearest pairs first, by the ratio of speeds; slopes of opposite signs are two passages of the line and not
         # one.
         pairs = sorted(
-            (abs(math.log(one.speed / main.speed)), place, number)
+            (abs(math.log(meeting.speed / main.speed)), place, number)
             for place, row in enumerate(rows)
-            for number, one in enumerate(every[curve])
+            for number, meeting in enumerate(every[curve])
             if (main := row[NATURAL] or row[UNDAMPED]) is not None
-            and (one.slope * main.slope >= 0 or math.isinf(one.slope) or math.isinf(main.slope))
+            and (meeting.slope * main.slope >= 0 or math.isinf(meeting.slope) or math.isinf(main.slope))
         )
         left = set(range(len(every[curve])))
         for _, place, number in pairs:
@@ -418,5 +418,5 @@ def _crossings(every: Sequence[Sequence[Meeting]]) -> list[list[Meeting | None]]
                 left.remove(number)
         # A damped frequency by itself is no critical speed: it belongs to a natural one.
         alone = [every[curve][number] for number in sorted(left) if curve != DAMPED]
-        rows += [[meeting if one == curve else None for one in (UNDAMPED, NATURAL, DAMPED)] for meeting in alone]
+        rows += [[meeting if kind == curve else None for kind in (UNDAMPED, NATURAL, DAMPED)] for meeting in alone]
     return rows

@@ -277,8 +277,8 @@ class CriticalSpeeds(SavedResult):
     ...     tn.Spring("shaft", nodes=("a", "b"), stiffness=1e4)]
     >>> fan = tn.Drivetrain("fan", elements, speeds={"of": "a", "list": ["500 rpm", "700 rpm"]},
     ...     excitations={"blades": {"type": "harmonic", "node": "b", "orders": {2: {"amplitude": "10 N*m"}}}})
-    >>> found = fan.critical_speeds(margin="api684").of(1, 2)
-    >>> round(found.undamped_speed * 30 / 3.14159265), found.margin, found.passes  # 19.49 Hz at order 2
+    >>> critical = fan.critical_speeds(margin="api684").of(1, 2)
+    >>> round(critical.undamped_speed * 30 / 3.14159265), critical.margin, critical.passes  # 19.49 Hz at order 2
     (585, 0.0, False)
     """
 
@@ -310,32 +310,32 @@ class CriticalSpeeds(SavedResult):
             There is no such crossing, or several excitations or speeds have it and none is named.
         """
         self.mode(mode)
-        found = [
-            one
-            for one in self.crossings
-            if one.mode.number == mode
-            and math.isclose(one.order, order)
-            and (excitation is None or one.excitation == excitation)
+        crossings = [
+            crossing
+            for crossing in self.crossings
+            if crossing.mode.number == mode
+            and math.isclose(crossing.order, order)
+            and (excitation is None or crossing.excitation == excitation)
         ]
-        if len(found) == 1:
-            return found[0]
-        names = list(dict.fromkeys(one.excitation for one in found))
+        if len(crossings) == 1:
+            return crossings[0]
+        names = list(dict.fromkeys(crossing.excitation for crossing in crossings))
         if len(names) > 1:
             raise UsageError(f"{', '.join(names)} have order {order:g}; say which excitation", kind="ambiguous-name")
-        if found and near is not None:
-            return min(found, key=lambda one: abs(one.first_speed - near))
-        if found:
-            if len({one.fixed for one in found}) > 1:
+        if crossings and near is not None:
+            return min(crossings, key=lambda crossing: abs(crossing.first_speed - near))
+        if crossings:
+            if len({crossing.fixed for crossing in crossings}) > 1:
                 raise UsageError(
-                    f"mode {mode} is near {', '.join(one.line for one in found)}; choose among crossings",
+                    f"mode {mode} is near {', '.join(crossing.line for crossing in crossings)}; choose among crossings",
                     kind="unknown-order",
                 )
-            places = " and ".join(screen_text(one.first_speed * RPM, 5) for one in found)
+            places = " and ".join(screen_text(crossing.first_speed * RPM, 5) for crossing in crossings)
             raise UsageError(
                 f"mode {mode} meets order {order:g} at {places} rpm; say which with near=, in rad/s",
                 kind="ambiguous-name",
             )
-        known = ", ".join(dict.fromkeys(one.line for one in self.crossings if one.mode.number == mode)) or "none"
+        known = ", ".join(dict.fromkeys(speed.line for speed in self.crossings if speed.mode.number == mode)) or "none"
         raise UsageError(
             f"mode {mode} meets no order {order:g} in or near the operating range; it meets {known}",
             kind="unknown-order",
@@ -364,14 +364,14 @@ class CriticalSpeeds(SavedResult):
         return replace(
             self,
             crossings=tuple(
-                replace(one, excited_in=tuple(other.condition for other in others if _excites(other, one)))
-                for one in self.crossings
+                replace(crossing, excited_in=tuple(other.condition for other in others if _excites(other, crossing)))
+                for crossing in self.crossings
             ),
         )
 
     def table(self) -> Table:
         """Table of critical speeds in rpm, a row per crossing, with peaks, margin in % and generalised force in N m."""
-        geared = any(one.order and one.ratio != 1 for one in self.crossings)
+        geared = any(crossing.order and crossing.ratio != 1 for crossing in self.crossings)
         columns = [
             Column("mode"),
             Column("excitation"),
@@ -385,22 +385,24 @@ class CriticalSpeeds(SavedResult):
         columns += [Column("margin", "%", 3, 1)]
         columns += [Column("rule")] if self.rule else []
         columns += [Column("generalised force", "N*m", 4), Column("amplifi- cation", "", 3), Column("remark")]
-        rows = tuple(self._row(one, geared=geared) for one in self.crossings)
+        rows = tuple(self._row(crossing, geared=geared) for crossing in self.crossings)
         return Table(f"{self.title}: critical speeds", tuple(columns), rows, self._notes())
 
-    def _row(self, one: CriticalSpeed, *, geared: bool) -> tuple[object, ...]:
-        cells: list[object] = [one.mode.number, one.excitation, one.line]
-        cells += [one.undamped_speed * RPM, one.natural_speed * RPM]
-        cells += [one.own_speed * RPM] if geared else []
-        by_output = {peak.output: peak for peak in one.peaks}
+    def _row(self, speed: CriticalSpeed, *, geared: bool) -> tuple[object, ...]:
+        cells: list[object] = [speed.mode.number, speed.excitation, speed.line]
+        cells += [speed.undamped_speed * RPM, speed.natural_speed * RPM]
+        cells += [speed.own_speed * RPM] if geared else []
+        by_output = {peak.output: peak for peak in speed.peaks}
         for channel in self.outputs:
             peak = by_output.get(channel.name)
             cells += [None, None] if peak is None else [peak.speed * RPM, peak.amplitude]
-        cells.append(100 * one.margin)
+        cells.append(100 * speed.margin)
         if self.rule:
-            cells.append(None if one.required is None else "kept" if one.passes else f"under {100 * one.required:g} %")
-        force = 0.0 if one.relative_force < NEGLIGIBLE_FORCE else one.generalised_force
-        return (*cells, force, one.mode.amplification, one.remark)
+            cells.append(
+                None if speed.required is None else "kept" if speed.passes else f"under {100 * speed.required:g} %"
+            )
+        force = 0.0 if speed.relative_force < NEGLIGIBLE_FORCE else speed.generalised_force
+        return (*cells, force, speed.mode.amplification, speed.remark)
 
     def _notes(self) -> tuple[str, ...]:
         low, high = (speed * RPM for speed in self.speed_range)
@@ -422,7 +424,7 @@ class CriticalSpeeds(SavedResult):
 
     def mode_table(self) -> Table:
         """Table with a row per vibration mode, frequencies in Hz with and without damping, and damping ratio."""
-        vibrating = [math.isfinite(one.natural_frequency) for one in self.modes]
+        vibrating = [math.isfinite(mode.natural_frequency) for mode in self.modes]
         first = COUNTING_NOTE if any(vibrating) else UNDAMPED_ALONE if vibrating else NO_VIBRATION
         notes = (first, *([OVERDAMPED_NOTE] if any(vibrating) and not all(vibrating) else []))
         return result_table(f"{self.title}: natural frequencies", self.modes, VibrationMode, notes=notes)
@@ -442,15 +444,15 @@ class CriticalSpeeds(SavedResult):
         return dict(zip(self.nodes, self.mode(mode).shape.tolist(), strict=True))
 
 
-def _excites(other: CriticalSpeeds, one: CriticalSpeed) -> bool:
+def _excites(other: CriticalSpeeds, speed: CriticalSpeed) -> bool:
     """Whether another condition excites the mode of a critical speed by the same order of the same excitation."""
     for crossing in other.crossings:
-        same = (crossing.excitation, crossing.order, crossing.fixed) == (one.excitation, one.order, one.fixed)
-        if same and crossing.excited and _is_same_mode(crossing.mode, one.mode):
+        same = (crossing.excitation, crossing.order, crossing.fixed) == (speed.excitation, speed.order, speed.fixed)
+        if same and crossing.excited and _is_same_mode(crossing.mode, speed.mode):
             return True
     return False
 
 
-def _is_same_mode(one: VibrationMode, other: VibrationMode) -> bool:
-    pairs = ((getattr(one, name), getattr(other, name)) for name in ("undamped_frequency", "natural_frequency"))
+def _is_same_mode(mode: VibrationMode, other: VibrationMode) -> bool:
+    pairs = ((getattr(mode, name), getattr(other, name)) for name in ("undamped_frequency", "natural_frequency"))
     return any(abs(first - second) <= SAME_MODE_DISTANCE * second for first, second in pairs)

@@ -85,14 +85,14 @@ class LineOverModes:
             # A constant f meets |r n/2pi + f_0| where r n/2pi + f_0 = f or -f.
             speeds = [(sign * frequency - self.fixed) / self.rate for sign in (1, -1)] if self.rate else []
             return tuple(replace(own[0].at(speed), meets=True) for speed in sorted(set(speeds)) if speed > 0)
-        found: list[Meeting] = []
+        meetings: list[Meeting] = []
         for point in self._course(number, curve):
             # Two pieces may both find the meeting at their common end: the closer one is kept.
-            if point.meets and found and point.speed - found[-1].speed <= TOUCHING * point.speed:
-                found[-1] = min(found[-1], point, key=lambda one: abs(one.offset))
+            if point.meets and meetings and point.speed - meetings[-1].speed <= TOUCHING * point.speed:
+                meetings[-1] = min(meetings[-1], point, key=lambda meeting: abs(meeting.offset))
             elif point.meets:
-                found.append(point)
-        return tuple(found)
+                meetings.append(point)
+        return tuple(meetings)
 
     def approaches(self, number: int, curve: int) -> tuple[Meeting, ...]:
         """Meetings, and the points at which the line is nearest to a mode for a while without meeting it."""
@@ -101,7 +101,7 @@ class LineOverModes:
         own = self._own(number, curve)
         return tuple(
             # Kept are the meetings and the local minima of the distance along the course.
-            point if point.meets else next(one for one in own if point.speed <= one.ends[1]).at(point.speed)
+            point if point.meets else next(stretch for stretch in own if point.speed <= stretch.ends[1]).at(point.speed)
             for place, point in enumerate(course, 1)
             if point.meets or sizes[place] < min(sizes[place - 1], sizes[place + 1])
         )
@@ -179,8 +179,8 @@ def _with_meetings(
 def _sum(coefficients: Sequence[float], place: float) -> float:
     """Sum of Chebyshev polynomials with these coefficients at a place from -1 to 1, by Clenshaw's recurrence."""
     before = here = 0.0
-    for one in reversed(coefficients[1:]):
-        before, here = here, one + 2 * place * here - before
+    for coefficient in reversed(coefficients[1:]):
+        before, here = here, coefficient + 2 * place * here - before
     return coefficients[0] + place * here - before
 
 
@@ -200,8 +200,8 @@ class _Stretch:
     @cached_property
     def coefficients(self) -> list[float]:
         """Coefficients of the frequency in Hz in Chebyshev polynomials over the piece."""
-        found: list[float] = self._piece.coefficients[self.row, self.curve].tolist()
-        return found
+        coefficients: list[float] = self._piece.coefficients[self.row, self.curve].tolist()
+        return coefficients
 
     @property
     def exists(self) -> bool:
@@ -260,7 +260,7 @@ class _Stretch:
         if not self.is_constant:
             # g = g_0 + g_1 x on the piece: the ratio f/g turns where f' g - f g' = g_0 f' + g_1 (x f' - f) = 0.
             line = self.line.rate * (low + high) / 2 + self.line.fixed, self.line.rate * (high - low) / 2
-            rise, times = (one[self.row, self.curve] for one in self._piece.slopes)
+            rise, times = (slopes[self.row, self.curve] for slopes in self._piece.slopes)
             turning = line[0] * rise + line[1] * (times - self._piece.coefficients[self.row, self.curve])
             sizes = np.abs(turning)
             # Chebyshev polynomials are at most 1: where the first coefficient outweighs the others there is no root.
@@ -271,13 +271,13 @@ class _Stretch:
         own = self._piece.values[self.row, self.curve]
         # At an end both pieces have the same frequency to the last bit, so that no meeting is lost between them.
         inner = [self._point(speed) for speed in sorted(places) if low < speed < high]
-        found = [self._point(low, float(own[0])), *inner, self._point(high, float(own[-1]))]
-        if not self.is_constant and all(abs(point.offset) <= TOUCHING for point in found):
+        points = [self._point(low, float(own[0])), *inner, self._point(high, float(own[-1]))]
+        if not self.is_constant and all(abs(point.offset) <= TOUCHING for point in points):
             # A line on the mode all along the piece has no single meeting: only the ends count.
             lines = np.abs(self.line.rate * self._piece.speeds + self.line.fixed)
             if (np.abs(own - lines) <= TOUCHING * lines).all():
-                return [replace(found[0], offset=0.0), replace(found[-1], offset=0.0)]  # they run together
-        return found
+                return [replace(points[0], offset=0.0), replace(points[-1], offset=0.0)]  # they run together
+        return points
 
     def meeting(self, before: Meeting, after: Meeting) -> Meeting | None:
         """Meeting between two points, or None without one."""
@@ -322,7 +322,7 @@ class _Stretch:
         """
         kept = np.isfinite(here) & np.isfinite(there)
         number = self._piece.numbers[self.row]
-        names = [one for one, is_there in zip(numbers, kept.tolist(), strict=True) if is_there]
+        names = [mode for mode, is_there in zip(numbers, kept.tolist(), strict=True) if is_there]
         order = np.argsort(here[kept], kind="stable")
         # The n-th frequency before is compared with the n-th one after, whatever numbers they bear.
         ranks = [names[place] for place in order.tolist()]
@@ -371,7 +371,7 @@ def around_resonances(
 
 def around_poles(poles: ComplexArray, lines: Sequence[OrderLine], speeds: FloatArray) -> FloatArray:
     """Speeds (n,) in rad/s to add around resonances with poles (rad/s) that are the same at every speed."""
-    found = (
+    resonances = (
         resonance
         for pole in poles[poles.imag > 0].tolist()
         for line in _distinct(lines)
@@ -379,7 +379,7 @@ def around_poles(poles: ComplexArray, lines: Sequence[OrderLine], speeds: FloatA
         # |lambda|/2pi, all in Hz.
         for resonance in _met(line, pole.imag / (2 * math.pi), -pole.real / (2 * math.pi), abs(pole) / (2 * math.pi))
     )
-    return _around(found, speeds)
+    return _around(resonances, speeds)
 
 
 def _distinct(lines: Sequence[OrderLine]) -> list[OrderLine]:
@@ -387,14 +387,14 @@ def _distinct(lines: Sequence[OrderLine]) -> list[OrderLine]:
 
 
 def _around(resonances: Iterable[Resonance], speeds: FloatArray) -> FloatArray:
-    found: list[float] = []
+    added: list[float] = []
     for speed, width in resonances:
         after = min(max(int(np.searchsorted(speeds, speed)), 1), len(speeds) - 1)
         # The step in which the resonance lies decides whether the grid shows it.
         step = float(speeds[after] - speeds[after - 1])
         if speeds[0] <= speed <= speeds[-1] and width < WIDEST_REFINED * step:
-            found += [speed + width * times for times in HALF_WIDTHS_AROUND if width * abs(times) < step]
-    return np.array(found)
+            added += [speed + width * times for times in HALF_WIDTHS_AROUND if width * abs(times) < step]
+    return np.array(added)
 
 
 def _met(line: OrderLine, damped: float, width: float, natural: float) -> Iterator[Resonance]:
@@ -417,6 +417,6 @@ def _following(over_speed: ModesOverSpeed, lines: Sequence[OrderLine]) -> Iterat
     for line in lines:
         beside = LineOverModes.of(line, over_speed)
         for number in numbers:
-            for one in beside.approaches(number, DAMPED):
-                if one.meets or abs(one.offset) < NEAR_RESONANCE:
-                    yield one.speed, max(one.width, SMALLEST_DAMPING_RATIO * one.speed if one.width else 0.0)
+            for near in beside.approaches(number, DAMPED):
+                if near.meets or abs(near.offset) < NEAR_RESONANCE:
+                    yield (near.speed, max(near.width, SMALLEST_DAMPING_RATIO * near.speed if near.width else 0.0))

@@ -177,11 +177,11 @@ class ModesOverSpeed:
             # One point: curves of constant modes are polynomials of degree 0.
             curves = np.array([_curves(mode) for mode in every]).reshape(len(every), len(CURVES), 1)
             return (CurvePiece(np.array(self.known), self._first_numbers(len(every)), curves),)
-        found = []
+        pieces = []
         for piece, numbers in zip(self._pieces, self._numbers, strict=True):
             kept = [place for place, number in enumerate(numbers) if number]
-            found.append(CurvePiece(piece.speeds, tuple(numbers[place] for place in kept), piece.values[kept]))
-        return tuple(found)
+            pieces.append(CurvePiece(piece.speeds, tuple(numbers[place] for place in kept), piece.values[kept]))
+        return tuple(pieces)
 
     def at(self, speed: float) -> tuple[VibrationMode, ...]:
         """Vibration modes at a known speed of the reference node in rad/s, numbered, by rising undamped frequency."""
@@ -193,7 +193,7 @@ class ModesOverSpeed:
             numbers: Sequence[int] = self._first_numbers(len(every))
         else:
             # Beyond the last piece its end is the nearest known set of modes.
-            place = next((at for at, one in enumerate(self._pieces) if speed <= one.speeds[-1]), -1)
+            place = next((at for at, piece in enumerate(self._pieces) if speed <= piece.speeds[-1]), -1)
             numbers = self._handed_on(place, int(np.argmin(np.abs(self._pieces[place].speeds - speed))), every)
         return tuple(replace(mode, number=number) for mode, number in zip(every, numbers, strict=True))
 
@@ -358,7 +358,7 @@ class ModesOverSpeed:
         """Modes at speeds in rad/s, each in the row of the mode at the first speed whose shape it continues."""
         sets = [self._modes_at(speed) for speed in speeds.tolist()]
         places = [np.arange(len(sets[0]))]
-        clear = len({len(one) for one in sets}) == 1
+        clear = len({len(at_speed) for at_speed in sets}) == 1
         for before, after in pairwise(sets):
             step, alike = self._successors(before, after)
             # Rows follow their mode from point to point; one lost before stays lost.
@@ -374,7 +374,7 @@ class ModesOverSpeed:
         return _FollowedPiece(speeds, every, np.swapaxes(values, 1, 2), clear)
 
     def _matters(self, mode: VibrationMode) -> bool:
-        return not min(_curves(mode)[:2], key=lambda one: math.inf if math.isnan(one) else one) > self.highest
+        return not min(_curves(mode)[:2], key=lambda f: math.inf if math.isnan(f) else f) > self.highest
 
     def _unknown(self, piece: _FollowedPiece) -> float:
         """Largest relative difference of frequencies from those that every other point predicts."""
@@ -423,12 +423,12 @@ class ModesOverSpeed:
             return np.arange(same), own
         from scipy.optimize import linear_sum_assignment
 
-        found, shares = np.full(len(before), -1), np.zeros(len(before))
+        successors, shares = np.full(len(before), -1), np.zeros(len(before))
         # Where shapes decide nothing, as of equal modes, the rank does.
         rows, columns = linear_sum_assignment(-alike - 1e-9 * np.eye(*alike.shape))
-        found[rows], shares[rows] = columns, alike[rows, columns]
-        shares[:same] = np.where(found[:same] == np.arange(same), np.maximum(own, shares[:same]), shares[:same])
-        return found, shares
+        successors[rows], shares[rows] = columns, alike[rows, columns]
+        shares[:same] = np.where(successors[:same] == np.arange(same), np.maximum(own, shares[:same]), shares[:same])
+        return successors, shares
 
     def _likeness(self, before: Sequence[VibrationMode], after: Sequence[VibrationMode]) -> FloatArray:
         """Modal assurance criterion (n, m) of mode shapes, weighted with the inertias."""
@@ -455,7 +455,7 @@ class ModesOverSpeed:
     def _numbers(self) -> tuple[tuple[int, ...], ...]:
         """Numbers of the modes of each piece, handed on from the speed of the operating point by the mode shapes."""
         pieces = self._pieces
-        first = next((at for at, one in enumerate(pieces) if self._anchor <= one.speeds[-1]), len(pieces) - 1)
+        first = next((at for at, piece in enumerate(pieces) if self._anchor <= piece.speeds[-1]), len(pieces) - 1)
         count = len(self._modes_at(self._anchor))
         known: dict[int, tuple[int, ...]] = {}
         at = int(np.argmin(np.abs(pieces[first].speeds - self._anchor)))
@@ -468,11 +468,11 @@ class ModesOverSpeed:
         return tuple(known[place] for place in range(len(pieces)))
 
     def _beside(
-        self, one: _FollowedPiece, end: int, numbers: Sequence[int], other: _FollowedPiece, begin: int
+        self, numbered: _FollowedPiece, end: int, numbers: Sequence[int], other: _FollowedPiece, begin: int
     ) -> tuple[int, ...]:
         """Numbers of the modes of a piece beside another one whose modes are numbered."""
-        before, after = (self._modes_at(float(piece.speeds[at])) for piece, at in ((one, end), (other, begin)))
-        return other.numbers(begin, self._carried(before, one.in_set(end, numbers, len(before)), after))
+        before, after = (self._modes_at(float(piece.speeds[at])) for piece, at in ((numbered, end), (other, begin)))
+        return other.numbers(begin, self._carried(before, numbered.in_set(end, numbers, len(before)), after))
 
     def _handed_on(self, place: int, at: int, every: Sequence[VibrationMode]) -> tuple[int, ...]:
         """Numbers of a set of modes near the point ``at`` of a piece, by the shapes there."""

@@ -78,8 +78,8 @@ def critical_peaks(run: OrderResponse) -> tuple[PlannedSpeed, ...]:
     --------
     >>> import torsionnet as tn
     >>> ship = tn.load("two_stroke_ship").configured("normal")
-    >>> found = critical_peaks(ship.order_response("torque(intermediate)", refine=True))
-    >>> [(round(one.speed * 30 / np.pi), one.reason) for one in found][:1]
+    >>> peaks = critical_peaks(ship.order_response("torque(intermediate)", refine=True))
+    >>> [(round(peak.speed * 30 / np.pi), peak.reason) for peak in peaks][:1]
     [(52, 'peak of order 6')]
     """
     place, peaks = run.output(None), []
@@ -96,7 +96,7 @@ def critical_peaks(run: OrderResponse) -> tuple[PlannedSpeed, ...]:
         reason = phrase("peak of order {order:.4g}", order=float(line.relative))
         peaks += [(float(size[at]), PlannedSpeed(float(run.speeds[at]), reason)) for at in inside]
     peaks.sort(key=lambda peak: -peak[0])
-    return tuple(sorted((one for _, one in peaks[:MOST_CRITICAL]), key=lambda one: one.speed))
+    return tuple(sorted((planned for _, planned in peaks[:MOST_CRITICAL]), key=lambda planned: planned.speed))
 
 
 def merged_speeds(speeds: Sequence[PlannedSpeed]) -> tuple[PlannedSpeed, ...]:
@@ -105,19 +105,19 @@ def merged_speeds(speeds: Sequence[PlannedSpeed]) -> tuple[PlannedSpeed, ...]:
     Examples
     --------
     >>> peaks = [PlannedSpeed(1.0, "order 3"), PlannedSpeed(1.001, "order 4")]
-    >>> found = merged_speeds([*peaks, PlannedSpeed(1.002, "rated", True)])
-    >>> [(one.speed, one.reason) for one in found]
+    >>> planned = merged_speeds([*peaks, PlannedSpeed(1.002, "rated", True)])
+    >>> [(speed.speed, speed.reason) for speed in planned]
     [(1.0, 'order 3; order 4'), (1.002, 'rated')]
     """
-    found: list[PlannedSpeed] = []
-    for one in sorted(speeds, key=lambda one: one.speed):
+    merged: list[PlannedSpeed] = []
+    for planned in sorted(speeds, key=lambda planned: planned.speed):
         # The value of a narrow peak is none of the rated speed beside it.
-        within = SAME_SPEED if found and found[-1].is_fixed == one.is_fixed else ROUNDING
-        if found and math.isclose(found[-1].speed, one.speed, rel_tol=within):
-            found[-1] = replace(found[-1], reason=_both(found[-1].reason, one.reason))
+        within = SAME_SPEED if merged and merged[-1].is_fixed == planned.is_fixed else ROUNDING
+        if merged and math.isclose(merged[-1].speed, planned.speed, rel_tol=within):
+            merged[-1] = replace(merged[-1], reason=_both(merged[-1].reason, planned.reason))
         else:
-            found.append(one)
-    return tuple(found)
+            merged.append(planned)
+    return tuple(merged)
 
 
 def _both(first: str, second: str) -> str:
@@ -134,22 +134,22 @@ def planned_amplitudes(
 
     ``run`` is the response at these speeds, one after the other.
     """
-    place, found = run.output(output), []
+    place, amplitudes = run.output(output), []
     sizes = np.abs(run.by_frequency()[:, :, place])
     groups = lines_of_one_frequency(run.lines)
     for at, planned in enumerate(speeds):
         half_range = float(run.half_range[at, place])
         for number in np.argsort(-sizes[at], kind="stable")[:MOST_ORDERS].tolist():
-            lines = [run.lines[one] for one in groups[number]]
+            lines = [run.lines[index] for index in groups[number]]
             size = float(sizes[at, number])
             if lines[0].fixed or size < SMALLEST_SHARE * half_range:
                 continue
-            found.append(
+            amplitudes.append(
                 PlannedAmplitude(
                     planned.speed, planned.reason, float(lines[0].relative), sum_name(lines), size, half_range
                 )
             )
-    return tuple(found)
+    return tuple(amplitudes)
 
 
 def measured_at(planned: PlannedAmplitude, measured: Sequence[MeasuredOrder]) -> float | None:
@@ -163,9 +163,9 @@ def measured_at(planned: PlannedAmplitude, measured: Sequence[MeasuredOrder]) ->
     >>> measured_at(PlannedAmplitude(5.5, "peak of order 6", 6.0, "engine 6", 1.6, 2.0), [test])
     1.5
     """
-    for one in measured:
-        if math.isclose(one.order, planned.order, rel_tol=SAME_ORDER_DIFFERENCE) and len(one.speeds):
-            low, high = one.speeds[0] * (1 - SAME_SPEED), one.speeds[-1] * (1 + SAME_SPEED)
+    for order in measured:
+        if math.isclose(order.order, planned.order, rel_tol=SAME_ORDER_DIFFERENCE) and len(order.speeds):
+            low, high = order.speeds[0] * (1 - SAME_SPEED), order.speeds[-1] * (1 + SAME_SPEED)
             if low <= planned.speed <= high:
-                return float(np.interp(planned.speed, one.speeds, one.amplitude))
+                return float(np.interp(planned.speed, order.speeds, order.amplitude))
     return None

@@ -54,23 +54,25 @@ def with_speed_peaks(
     UsageError
         A parameter depends on the vibration of all excitations together, so that single orders have no peaks.
     """
-    swayed = [name for name, one in drivetrain.definition.following.items() if one.by == VIBRATORY_TORQUE]
+    swayed = [name for name, law in drivetrain.definition.following.items() if law.by == VIBRATORY_TORQUE]
     if swayed:
         text = f"{' and '.join(swayed)} follows the vibration of all excitations together"
         raise UsageError(
             f"{text}: no order has a peak of its own; leave out the outputs and see torsionnet orders",
             kind="no-solution",
         )
-    sought = [one for one in crossings if one.excited and one.natural_speed > 0]
-    found: dict[int, tuple[SpeedPeak, ...]] = {}
+    sought = [crossing for crossing in crossings if crossing.excited and crossing.natural_speed > 0]
+    peaks: dict[int, tuple[SpeedPeak, ...]] = {}
     channels: tuple[Channel, ...] = ()
-    for name, group in groupby(sorted(sought, key=lambda one: one.excitation), key=lambda one: one.excitation):
+    for name, group in groupby(
+        sorted(sought, key=lambda crossing: crossing.excitation), key=lambda crossing: crossing.excitation
+    ):
         search = _Search(drivetrain, outputs, reference, name, list(group), limits)
-        found |= search.peaks()
+        peaks |= search.peaks()
         channels = search.channels
     if not channels:
         channels = orders_at_speeds(drivetrain, outputs, speeds=[limits[0] or limits[1]], speed_of=reference).outputs
-    return tuple(replace(one, peaks=found.get(id(one), ())) for one in crossings), channels
+    return tuple(replace(crossing, peaks=peaks.get(id(crossing), ())) for crossing in crossings), channels
 
 
 class _Search:
@@ -94,24 +96,24 @@ class _Search:
 
     def peaks(self) -> dict[int, tuple[SpeedPeak, ...]]:
         """Peaks (speed in rad/s and amplitude) by ``id`` of the critical speed, one for each output that has a peak."""
-        grids = [self._around(one) for one in self.crossings]
+        grids = [self._around(crossing) for crossing in self.crossings]
         first = self._sizes(self.crossings, grids)
-        found: dict[int, tuple[SpeedPeak, ...]] = {}
+        peaks: dict[int, tuple[SpeedPeak, ...]] = {}
         for place, channel in enumerate(self.channels):
             starts = {
-                number: self._next_maximum(one, grids[number], first[number][:, place])
-                for number, one in enumerate(self.crossings)
+                number: self._next_maximum(crossing, grids[number], first[number][:, place])
+                for number, crossing in enumerate(self.crossings)
             }
             refined = self._refined({number: grid for number, grid in starts.items() if grid is not None}, place)
             for number, peak in self._claimed(refined).items():
-                one = self.crossings[number]
-                found[id(one)] = (*found.get(id(one), ()), SpeedPeak(channel.name, *peak))
-        return found
+                crossing = self.crossings[number]
+                peaks[id(crossing)] = (*peaks.get(id(crossing), ()), SpeedPeak(channel.name, *peak))
+        return peaks
 
-    def _around(self, one: CriticalSpeed) -> FloatArray:
+    def _around(self, crossing: CriticalSpeed) -> FloatArray:
         # A peak is wider in proportion to zeta and further from the critical speed the more it is damped.
-        width = min(max(WIDTHS * one.mode.damping_ratio, LEAST_WIDTH), MOST_WIDTH)
-        critical = one.natural_speed
+        width = min(max(WIDTHS * crossing.mode.damping_ratio, LEAST_WIDTH), MOST_WIDTH)
+        critical = crossing.natural_speed
         low, high = np.clip(critical * np.array([1 - width, 1 + width]), *self.limits)
         return _around(low, critical, high, POINTS) if high > low else np.zeros(0)
 
@@ -126,33 +128,33 @@ class _Search:
         self.channels = run.outputs
         lines = {(line.order, line.fixed): place for place, line in enumerate(run.lines)}
         return [
-            run.sizes[np.searchsorted(speeds, grid), lines[one.order, one.fixed]]
-            for one, grid in zip(crossings, grids, strict=True)
+            run.sizes[np.searchsorted(speeds, grid), lines[crossing.order, crossing.fixed]]
+            for crossing, grid in zip(crossings, grids, strict=True)
         ]
 
     @staticmethod
-    def _next_maximum(one: CriticalSpeed, grid: FloatArray, sizes: FloatArray) -> FloatArray | None:
+    def _next_maximum(crossing: CriticalSpeed, grid: FloatArray, sizes: FloatArray) -> FloatArray | None:
         """Finer speeds (n,) in rad/s around the maximum nearest to the critical speed, or None without maximum."""
         inner = inner_maxima(sizes) if len(sizes) else []
         if not inner:
             return None
         # Nearest by the ratio of speeds, as half and twice the critical speed are equally far.
-        best = min(inner, key=lambda place: abs(math.log(grid[place] / one.natural_speed)))
+        best = min(inner, key=lambda place: abs(math.log(grid[place] / crossing.natural_speed)))
         return _around(grid[best - 1], grid[best], grid[best + 1], FINER_POINTS)
 
     def _refined(self, grids: dict[int, FloatArray], output: int) -> dict[int, tuple[float, float]]:
         """Speed in rad/s and amplitude at each maximum, by number of its critical speed, found on ever finer grids."""
-        found: dict[int, tuple[float, float]] = {}
+        maxima: dict[int, tuple[float, float]] = {}
         for _ in range(ROUNDS if grids else 0):
             sizes = self._sizes([self.crossings[number] for number in grids], list(grids.values()))
             for (number, grid), size in zip(list(grids.items()), sizes, strict=True):
                 # The maximum lies between the neighbours of the highest speed: each round divides these two steps
                 # anew.
                 best = int(np.argmax(size[:, output]))
-                found[number] = (float(grid[best]), float(size[best, output]))
+                maxima[number] = (float(grid[best]), float(size[best, output]))
                 low, high = grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)]
                 grids[number] = _around(low, grid[best], high, FINER_POINTS)
-        return found
+        return maxima
 
     def _claimed(self, peaks: Mapping[int, tuple[float, float]]) -> dict[int, tuple[float, float]]:
         """Speed in rad/s and amplitude of peaks, by number of the critical speed to which each peak is nearest.
@@ -161,15 +163,15 @@ class _Search:
         """
         kept = {}
         for number, (speed, size) in peaks.items():
-            one = self.crossings[number]
+            crossing = self.crossings[number]
             # Two modes near each other may both find the one peak between them: it belongs to the nearer one.
             rivals = [
                 other
                 for rival, other in enumerate(self.crossings)
-                if rival in peaks and other.line == one.line and abs(peaks[rival][0] / speed - 1) < SAME_PEAK
+                if rival in peaks and other.line == crossing.line and abs(peaks[rival][0] / speed - 1) < SAME_PEAK
             ]
             nearest = min(rivals, key=lambda other: abs(math.log(speed / other.natural_speed)))
-            if nearest is one:
+            if nearest is crossing:
                 kept[number] = (speed, size)
         return kept
 

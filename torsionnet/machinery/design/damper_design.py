@@ -105,8 +105,8 @@ def damper_design(
     >>> crank = tn.Drivetrain("crank", [tn.Inertia("mass", node="a", inertia=2),
     ...     tn.Spring("shaft", nodes=("a", "ground"), stiffness=8e4),
     ...     tn.ViscousDamper("damper", node="a", ring_inertia=1, damping=100)])
-    >>> found = crank.damper_design("a", {"damper.damping": (20, 2000)}, input="a")
-    >>> round(float(found.values["damper.damping"]) / (2 * 1 * 200), 4)  # Den Hartog: sqrt(2/15)
+    >>> optimum = crank.damper_design("a", {"damper.damping": (20, 2000)}, input="a")
+    >>> round(float(optimum.values["damper.damping"]) / (2 * 1 * 200), 4)  # Den Hartog: sqrt(2/15)
     0.3651
     """
     names = [parameters] if isinstance(parameters, str) else list(parameters)
@@ -125,7 +125,7 @@ def damper_design(
         DesignParameter(name, unit, *numbers)
         for name, unit, *numbers in zip(names, units, start, box.lower, box.upper, best, strict=True)
     )
-    damping = np.array([one.is_damping for one in sought])
+    damping = np.array([parameter.is_damping for parameter in sought])
     # c towards 0 frees the ring from its hub, c towards infinity locks the two together.
     free, locked = (
         np.where(damping, factor * np.maximum(best, FREE_FACTOR * box.upper), best)
@@ -139,8 +139,8 @@ def damper_design(
         levels.channel,
         levels.of,
         tuple(
-            replace(one, values=values, largest=sizes)
-            for place, one in enumerate(sought)
+            replace(parameter, values=values, largest=sizes)
+            for place, parameter in enumerate(sought)
             for values, sizes in [_effect(levels, box, best, place).T]
         ),
         highest_peaks(levels, start)[0],
@@ -225,7 +225,7 @@ def sought_box(varied: Unknowns, given: Bounds, units: Sequence[str]) -> Box:
 def _pair(name: str, written: Sequence[Any], unit: str) -> tuple[float, float]:
     if isinstance(written, str) or len(written) != 2:
         raise UsageError(f"{name}: bounds are two values, got {written!r}", kind="wrong-form")
-    low, high = (_number(name, one, unit) for one in written)
+    low, high = (_number(name, bound, unit) for bound in written)
     return low, high
 
 
@@ -248,8 +248,8 @@ def highest_peaks(levels: Levels, values: FloatArray) -> tuple[LevelPeak, ...]:
     """
     points = levels.maxima(values)
     sizes = levels.at(values, points)
-    found = zip(levels.shown(points).tolist(), sizes.tolist(), strict=True)
-    return tuple(LevelPeak(point, level) for point, level in found if level >= sizes[0] * (1 - EQUAL_PEAK_DIFFERENCE))
+    peaks = zip(levels.shown(points).tolist(), sizes.tolist(), strict=True)
+    return tuple(LevelPeak(point, level) for point, level in peaks if level >= sizes[0] * (1 - EQUAL_PEAK_DIFFERENCE))
 
 
 def _effect(levels: Levels, box: Box, best: FloatArray, place: int) -> FloatArray:
@@ -279,7 +279,7 @@ def _fixed_points(
     grid = np.union1d(levels.grid(free), levels.grid(locked))
     # Den Hartog: curves of all dampings pass the points where those of c = 0 and c = infinity cross.
     gap = apart(grid)
-    found = []
+    fixed = []
     for place in np.flatnonzero(np.diff(np.sign(gap)) != 0):
         point = scipy.optimize.brentq(
             lambda f: float(apart(np.array([f]))[0]), grid[place], grid[place + 1], rtol=1e-12
@@ -288,8 +288,8 @@ def _fixed_points(
         sizes = np.concatenate([levels.at(values, np.array([point])) for values in (free, *films)])
         spread = float(sizes.max() / sizes.min() - 1)
         if spread < FIXED_POINT_SPREAD:
-            found.append(FixedPoint(float(point), float(sizes.max()), spread))
-    return tuple(sorted(found, key=lambda one: -one.level))
+            fixed.append(FixedPoint(float(point), float(sizes.max()), spread))
+    return tuple(sorted(fixed, key=lambda point: -point.level))
 
 
 # Drivetrain with the rings of its viscous dampers free, locked to the hub, or counted by half.
@@ -324,7 +324,7 @@ def with_dampers(
     if state == AS_MODELLED:
         return definition
     active = {element.name: element for element in definition.active}
-    chosen = [name for name, one in active.items() if isinstance(one, ViscousDamper)]
+    chosen = [name for name, element in active.items() if isinstance(element, ViscousDamper)]
     if names is not None:
         chosen = known_elements(names, active)
     if not chosen:
@@ -334,11 +334,11 @@ def with_dampers(
         )
     elements = dict(definition.elements)
     for name in chosen:
-        found = active[name]
-        if isinstance(found, ViscousDamper):
-            elements[name] = _of_damper(found, Values(values), RING_SHARES[state])
+        damper = active[name]
+        if isinstance(damper, ViscousDamper):
+            elements[name] = _of_damper(damper, Values(values), RING_SHARES[state])
         else:
-            elements |= _of_film(found, active, Values(values), RING_SHARES[state])
+            elements |= _of_film(damper, active, Values(values), RING_SHARES[state])
     return replace(definition, elements=elements)
 
 
@@ -354,16 +354,16 @@ def _of_film(film: Element, active: Mapping[str, Element], value: Values, share:
     A rigid coupling or nothing, and the share of the ring.
     """
     hub, ring = _hub_and_ring(film, active)
-    found: dict[str, Element] = {}
+    elements: dict[str, Element] = {}
     for element in active.values():
         if isinstance(element, Inertia) and element.node == ring:
             inertia = share * float(value(element.inertia))
-            found[element.name] = Inertia.from_entries(element.name, node=ring, inertia=inertia, enabled=share > 0)
+            elements[element.name] = Inertia.from_entries(element.name, node=ring, inertia=inertia, enabled=share > 0)
         elif set(element.ports.values()) == {hub, ring}:
-            found[element.name] = replace(element, enabled=False)
+            elements[element.name] = replace(element, enabled=False)
     if share:
-        found[film.name] = RigidCoupling(film.name, nodes=(hub, ring))
-    return found
+        elements[film.name] = RigidCoupling(film.name, nodes=(hub, ring))
+    return elements
 
 
 def _hub_and_ring(film: Element, active: Mapping[str, Element]) -> tuple[str, str]:
@@ -381,8 +381,8 @@ def _hub_and_ring(film: Element, active: Mapping[str, Element]) -> tuple[str, st
 def _is_ring(node: str, ends: set[str], active: Mapping[str, Element]) -> bool:
     """Whether a node carries only inertias and the film of a viscous damper."""
     there = [element for element in active.values() if node in element.ports.values()]
-    only = all(isinstance(one, Inertia) or set(one.ports.values()) == ends for one in there)
-    return only and any(isinstance(one, Inertia) for one in there)
+    only = all(isinstance(element, Inertia) or set(element.ports.values()) == ends for element in there)
+    return only and any(isinstance(element, Inertia) for element in there)
 
 
 # Viscous equivalent of hysteretic and tabulated laws, springs and dampers equal to them at one frequency.

@@ -151,29 +151,29 @@ class DamperOptimum(SavedResult):
     @property
     def values(self) -> dict[str, float]:
         """Optimal values in SI by design parameter, as :meth:`torsionnet.Drivetrain.configured` takes them."""
-        return {one.name: one.value for one in self.parameters}
+        return {parameter.name: parameter.value for parameter in self.parameters}
 
     @property
     def words(self) -> tuple[str, ...]:
         """Sentences on how far to trust the optimal damper, on parameters at bounds or without effect, and on peaks."""
-        found = [*(self._about(one) for one in self.parameters), self._held_by()]
+        sentences = [*(self._about(parameter) for parameter in self.parameters), self._held_by()]
         if self.fixed_points:
-            where = " and ".join(f"{one.point:.5g}" for one in self.fixed_points)
+            where = " and ".join(f"{point.point:.5g}" for point in self.fixed_points)
             text = f"whatever the damping, the level at {where} {self.of[1]} is the same"
-            only = all(one.is_damping for one in self.parameters)
+            only = all(parameter.is_damping for parameter in self.parameters)
             reached = self.fixed_points[0].level >= self.after.level * (1 - EQUAL_PEAK_DIFFERENCE)
-            found.append(f"{text}: none has a smaller maximum" if only and reached else text)
-        return (*found, *self.notes)
+            sentences.append(f"{text}: none has a smaller maximum" if only and reached else text)
+        return (*sentences, *self.notes)
 
-    def _about(self, one: DesignParameter) -> str:
-        levels = one.largest
+    def _about(self, parameter: DesignParameter) -> str:
+        levels = parameter.largest
         if levels.max() < INDIFFERENT_LEVEL_RATIO * levels.min():
-            return f"the maximum hardly depends on {one.name}: by {levels.max() / levels.min() - 1:.2g} of itself"
-        if one.bound:
-            return f"{one.name} is at its {one.bound} bound; beyond it the maximum may be smaller still"
+            return f"the maximum hardly depends on {parameter.name}: by {levels.max() / levels.min() - 1:.2g} of itself"
+        if parameter.bound:
+            return f"{parameter.name} is at its {parameter.bound} bound; beyond it the maximum may be smaller still"
         valleys = _inner_minima(levels)
         more = f"; its curve has {len(valleys)} minima, this is the lowest" if len(valleys) > 1 else ""
-        return f"{one.name} is an optimum inside its bounds{more}"
+        return f"{parameter.name} is an optimum inside its bounds{more}"
 
     def _held_by(self) -> str:
         where = " and ".join(f"{peak.point:.5g}" for peak in self.peaks)
@@ -183,7 +183,8 @@ class DamperOptimum(SavedResult):
         """Table of a damper's given and optimal values, the largest vibration level with both, and where it occurs."""
         scale, unit = conventions.scale(self.channel.unit), conventions.unit(self.channel.unit)
         rows: list[tuple[object, ...]] = [
-            (one.name, one.unit, one.start, one.value, one.lower, one.upper) for one in self.parameters
+            (parameter.name, parameter.unit, parameter.start, parameter.value, parameter.lower, parameter.upper)
+            for parameter in self.parameters
         ]
         rows.append(
             (f"largest {self.channel.name}", unit, self.before.level * scale, self.after.level * scale, None, None)
@@ -201,9 +202,9 @@ class DamperOptimum(SavedResult):
             Column(f"largest {self.channel.name}", conventions.unit(self.channel.unit)),
         )
         rows = tuple(
-            (one.name, value, level * scale)
-            for one in self.parameters
-            for value, level in zip(one.values.tolist(), one.largest.tolist(), strict=True)
+            (parameter.name, value, level * scale)
+            for parameter in self.parameters
+            for value, level in zip(parameter.values.tolist(), parameter.largest.tolist(), strict=True)
         )
         return Table(f"{self.title}: best damper", columns, rows, self.words)
 

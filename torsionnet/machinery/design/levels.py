@@ -113,12 +113,12 @@ class ReceptanceLevels:
         return VariedModel(self.response.unknowns)
 
     def at(self, values: FloatArray, points: FloatArray) -> FloatArray:
-        found = replace(self.response, frequencies=points).at(values)
-        return np.abs(found.values[:, 0, 0])
+        response = replace(self.response, frequencies=points).at(values)
+        return np.abs(response.values[:, 0, 0])
 
     def slopes(self, values: FloatArray, points: FloatArray) -> FloatArray:
-        found = replace(self.response, frequencies=points).at(values)
-        y, dy = found.values[:, 0, 0], found.jacobian[:, 0, 0]
+        response = replace(self.response, frequencies=points).at(values)
+        y, dy = response.values[:, 0, 0], response.jacobian[:, 0, 0]
         # d|y|/dp = Re(conj(y) dy/dp)/|y|.
         return np.asarray((np.conj(y)[:, None] * dy).real / np.abs(y)[:, None])
 
@@ -126,11 +126,11 @@ class ReceptanceLevels:
         grid = self.grid(values)
         levels = self.at(values, grid)
         places = _with_ends(levels)
-        found = [
+        points = [
             self._refined(values, grid[place - 1], grid[place + 1]) if 0 < place < len(grid) - 1 else float(grid[place])
             for place in places
         ]
-        return _highest_first(np.array(found), self.at(values, np.array(found)))
+        return _highest_first(np.array(points), self.at(values, np.array(points)))
 
     def _refined(self, values: FloatArray, low: float, high: float) -> float:
         for _ in range(REFINEMENT_ROUNDS):
@@ -187,13 +187,13 @@ class OrderLevels:
         return np.asarray(run.half_range[:, 0])
 
     def slopes(self, values: FloatArray, points: FloatArray) -> FloatArray:
-        found = np.empty((len(points), len(values)))
+        slopes = np.empty((len(points), len(values)))
         for place, value in enumerate(values):
             # Central differences, of which the error goes with the square of the step.
             step = SLOPE_STEP * (abs(value) or 1.0)
             above, below = (np.where(np.arange(len(values)) == place, values + sign * step, values) for sign in (1, -1))
-            found[:, place] = (self.at(above, points) - self.at(below, points)) / (2 * step)
-        return found
+            slopes[:, place] = (self.at(above, points) - self.at(below, points)) / (2 * step)
+        return slopes
 
     def maxima(self, values: FloatArray) -> FloatArray:
         def with_more(known: FloatArray, more: FloatArray) -> FloatArray:
@@ -201,11 +201,11 @@ class OrderLevels:
             return both[:, np.argsort(both[0], kind="stable")]
 
         grid = self.grid(values)
-        found = np.array([grid, self.at(values, grid)])
+        curve = np.array([grid, self.at(values, grid)])
         if self.refine:
-            found = refine_speeds(found, lambda known: speeds_to_refine(known[0], known[1:].T), with_more)
-        places = _with_ends(found[1])
-        return _highest_first(found[0, places], found[1, places])
+            curve = refine_speeds(curve, lambda known: speeds_to_refine(known[0], known[1:].T), with_more)
+        places = _with_ends(curve[1])
+        return _highest_first(curve[0, places], curve[1, places])
 
     def shown(self, points: FloatArray) -> FloatArray:
         return points * RPM
@@ -249,11 +249,11 @@ class WorstLevels:
     @property
     def precision(self) -> float:
         """Relative precision of the levels in the least precise condition."""
-        return max(one.precision for one in self.parts)
+        return max(part.precision for part in self.parts)
 
     @property
     def frequencies(self) -> FloatArray:
-        return np.concatenate([one.frequencies.ravel() for one in self.parts])
+        return np.concatenate([part.frequencies.ravel() for part in self.parts])
 
     @property
     def of(self) -> tuple[str, str]:
@@ -272,22 +272,22 @@ class WorstLevels:
         return np.asarray(np.floor_divide(points, self._room), dtype=np.intp)
 
     def grid(self, values: FloatArray) -> FloatArray:
-        return np.concatenate([one.grid(values) + at * self._room for at, one in enumerate(self.parts)])
+        return np.concatenate([part.grid(values) + at * self._room for at, part in enumerate(self.parts)])
 
     def at(self, values: FloatArray, points: FloatArray) -> FloatArray:
-        found = np.empty(len(points))
+        levels = np.empty(len(points))
         for part, chosen, own in self._split(points):
-            found[chosen] = part.at(values, own)
-        return found
+            levels[chosen] = part.at(values, own)
+        return levels
 
     def slopes(self, values: FloatArray, points: FloatArray) -> FloatArray:
-        found = np.empty((len(points), len(values)))
+        slopes = np.empty((len(points), len(values)))
         for part, chosen, own in self._split(points):
-            found[chosen] = part.slopes(values, own)
-        return found
+            slopes[chosen] = part.slopes(values, own)
+        return slopes
 
     def maxima(self, values: FloatArray) -> FloatArray:
-        points = np.concatenate([one.maxima(values) + at * self._room for at, one in enumerate(self.parts)])
+        points = np.concatenate([part.maxima(values) + at * self._room for at, part in enumerate(self.parts)])
         return points[np.argsort(-self.at(values, points), kind="stable")]
 
     def shown(self, points: FloatArray) -> FloatArray:

@@ -55,8 +55,8 @@ class Box:
         """Parameter values (n_p,) in SI units at a place (n_p,) in the unit cube."""
         with np.errstate(divide="ignore", invalid="ignore"):
             factors = self.lower * (self.upper / self.lower) ** place
-        found = np.where(self._by_factors, factors, self.lower + place * (self.upper - self.lower))
-        return np.clip(found, self.lower, self.upper)
+        values = np.where(self._by_factors, factors, self.lower + place * (self.upper - self.lower))
+        return np.clip(values, self.lower, self.upper)
 
     def place(self, values: FloatArray) -> FloatArray:
         """Place (n_p,) in the unit cube of parameter values, or of the nearest ones within the bounds."""
@@ -87,8 +87,8 @@ def smallest_maximum(levels: Levels, box: Box, start: FloatArray) -> FloatArray:
     # The largest level has several minima over the box: starts are sampled roughly, and only the best are searched
     # from.
     rough = [largest(levels, box.inside(place), refined=False) for place in places]
-    found = [search_from(levels, box, places[index]) for index in np.argsort(rough, kind="stable")[:SEARCHED_STARTS]]
-    return box.inside(min(found, key=lambda place: largest(levels, box.inside(place))))
+    optima = [search_from(levels, box, places[index]) for index in np.argsort(rough, kind="stable")[:SEARCHED_STARTS]]
+    return box.inside(min(optima, key=lambda place: largest(levels, box.inside(place))))
 
 
 def _along_one(levels: Levels, box: Box, start: FloatArray) -> FloatArray:
@@ -106,8 +106,8 @@ def _along_one(levels: Levels, box: Box, start: FloatArray) -> FloatArray:
     at = int(np.argmin(rough))
     ends = places[max(at - 1, 0)], places[min(at + 1, len(places) - 1)]
     search: Any = scipy.optimize.minimize_scalar
-    found = search(level, bounds=ends, method="bounded", options={"xatol": 0.1 * np.sqrt(levels.precision)})
-    best = found.x if found.fun < rough[at] else places[at]
+    optimum = search(level, bounds=ends, method="bounded", options={"xatol": 0.1 * np.sqrt(levels.precision)})
+    best = optimum.x if optimum.fun < rough[at] else places[at]
     return box.inside(np.array([float(best)]))
 
 
@@ -156,7 +156,7 @@ def _solved(levels: Levels, box: Box, points: FloatArray, start: FloatArray) -> 
     search: Any = scipy.optimize.minimize  # its published types know no constraints that are functions
     # The smallest z with z >= ln level_i(x) for all points i, in the variables (x, z): smooth where the maximum is
     # not.
-    found = search(
+    optimum = search(
         lambda x: float(x[-1]),
         np.append(start, logs(np.append(start, 0.0)).max()),
         jac=lambda x: np.append(np.zeros(len(x) - 1), 1.0),
@@ -165,5 +165,5 @@ def _solved(levels: Levels, box: Box, points: FloatArray, start: FloatArray) -> 
         constraints={"type": "ineq", "fun": lambda x: x[-1] - logs(x), "jac": slopes},
         options={"ftol": levels.precision**TOLERANCE_POWER, "maxiter": PROGRAMMING_STEPS},
     )
-    place = np.clip(found.x[:-1], 0.0, 1.0)
+    place = np.clip(optimum.x[:-1], 0.0, 1.0)
     return place, float(logs(np.append(place, 0.0)).max())

@@ -131,8 +131,8 @@ class ElectricMachine(OrderExcitation):
     --------
     >>> motor = ElectricMachine(node="rotor", pole_pairs=4, rated_torque="1 kN*m",
     ...     electrical_orders={6: {"share": "2 %"}}, line={"frequency": "50 Hz", "multiples": {6: {"amplitude": 5}}})
-    >>> found = motor.torques(np.array([100.0]))
-    >>> found.orders.tolist(), found.fixed.tolist(), found.amplitudes.real[0, :, 0].tolist()
+    >>> ripple = motor.torques(np.array([100.0]))
+    >>> ripple.orders.tolist(), ripple.fixed.tolist(), ripple.amplitudes.real[0, :, 0].tolist()
     ([24.0, 0.0], [0.0, 300.0], [20.0, 5.0])
     """
 
@@ -187,8 +187,8 @@ class ElectricMachine(OrderExcitation):
                     )
         if self.rated_torque is None:
             for path, table in self._tables():
-                for key, one in table.items():
-                    if one.share:
+                for key, pulsation in table.items():
+                    if pulsation.share:
                         text = "a share needs the torque it is of: rated_torque: 12 kN*m"
                         yield Fault(text, (*path, f"{key:g}", "share"), kind="missing-entry")
             if self.torque:
@@ -239,8 +239,8 @@ class ElectricMachine(OrderExcitation):
         torque = rated * over_speed(self.torque, speeds, "torque") if self.torque else rated
         per_revolution = {"orders": 1, "electrical_orders": self.pole_pairs}
         for (name, *_), table in self._tables():
-            for key, one in table.items():
-                size = (one.amplitude + one.share * torque) * np.exp(1j * one.phase)
+            for key, pulsation in table.items():
+                size = (pulsation.amplitude + pulsation.share * torque) * np.exp(1j * pulsation.phase)
                 # One revolution has as many electrical periods as there are pole pairs.
                 if name in per_revolution:
                     yield _Pulsation(key * not_none(per_revolution[name]), 0.0, size)

@@ -103,7 +103,7 @@ def banked_phases(
     --------
     >>> order, throws = [1, 4, 2, 3], {1: "a", 2: "b", 3: "a", 4: "b"}
     >>> places = {1: 0, 2: 0, 3: math.pi / 2, 4: math.pi / 2}
-    >>> {one: round(math.degrees(at)) for one, at in banked_phases(order, 4 * math.pi, throws, places).items()}
+    >>> {number: round(math.degrees(at)) for number, at in banked_phases(order, 4 * math.pi, throws, places).items()}
     {1: 0, 4: 90, 2: 360, 3: 450}
     """
     # Even firing is taken if cylinders on one throw then fire as far apart as their banks stand.
@@ -134,8 +134,8 @@ def shares_pins(throws: Mapping[int, str], places: Mapping[int, float]) -> bool:
     places_on: dict[str, list[float]] = {}
     for number, throw in throws.items():
         places_on.setdefault(throw, []).append(places.get(number, 0.0))
-    several = [found for found in places_on.values() if len(found) > 1]
-    return bool(several) and all(len(set(found)) == len(found) for found in several)
+    several = [angles for angles in places_on.values() if len(angles) > 1]
+    return bool(several) and all(len(set(angles)) == len(angles) for angles in several)
 
 
 def _in_order(order: Sequence[int], choices: Sequence[Sequence[float]], cycle: float) -> dict[int, float] | None:
@@ -143,17 +143,17 @@ def _in_order(order: Sequence[int], choices: Sequence[Sequence[float]], cycle: f
 
     None if no or several choices do.
     """
-    found: list[list[float]] = [[one] for one in choices[0]]
+    sequences: list[list[float]] = [[angle] for angle in choices[0]]
     for further in choices[1:]:
-        found = [
+        sequences = [
             [*before, angle]
             # Each cylinder fires after the one before, counted from the first one within one cycle.
-            for before, angle in itertools.product(found, further)
+            for before, angle in itertools.product(sequences, further)
             if (before[-1] - before[0]) % cycle < (angle - before[0]) % cycle - FIRING_ANGLE_TOL / 10
         ]
-    if len(found) != 1:
+    if len(sequences) != 1:
         return None
-    return {number: (angle - found[0][0]) % cycle for number, angle in zip(order, found[0], strict=True)}
+    return {number: (angle - sequences[0][0]) % cycle for number, angle in zip(order, sequences[0], strict=True)}
 
 
 def firing_against_banks(
@@ -167,12 +167,12 @@ def firing_against_banks(
     """
     if not shares_pins(throws, places):
         return None
-    for one, other in itertools.combinations(phases, 2):
-        if throws[one] == throws[other]:
-            apart, due = phases[other] - phases[one], places[other] - places[one]
+    for cylinder, other in itertools.combinations(phases, 2):
+        if throws[cylinder] == throws[other]:
+            apart, due = phases[other] - phases[cylinder], places[other] - places[cylinder]
             # One throw: both are at top dead centre apart by the bank angle, but for whole revolutions.
             if abs(math.remainder(apart - due, 2 * math.pi)) > FIRING_ANGLE_TOL:
-                return one, other, apart, due
+                return cylinder, other, apart, due
     return None
 
 
@@ -339,8 +339,8 @@ class EngineEntries(ReactingExcitation):
         if self.misfire == EACH:
             # One cylinder is out at a time: on average each has lost 1/z of what it lacks without injection.
             without = 1 - (1 - without) / len(self.numbers)
-        found = {number: whole + shares.get(number, 0.0) * (part - whole) for number in self.numbers}
-        return found | dict.fromkeys(silent, without) | dict.fromkeys(out, 0 * whole)
+        mean_shares = {number: whole + shares.get(number, 0.0) * (part - whole) for number in self.numbers}
+        return mean_shares | dict.fromkeys(silent, without) | dict.fromkeys(out, 0 * whole)
 
     def _motored_share(self, speeds: FloatArray) -> FloatArray:
         """Mean gas torque of a cylinder without injection over that with it, (n_speeds,), 0 where neither is known."""
@@ -380,7 +380,7 @@ class EngineEntries(ReactingExcitation):
             return self
         silent = {*(() if self.misfire == EACH else self.misfire), *self.gas_off}
         known = self.misfire_share or {}
-        lost = {str(one): 1 - share * (1 - known.get(str(one), 0.0)) for one in self.numbers if one not in silent}
+        lost = {str(n): 1 - share * (1 - known.get(str(n), 0.0)) for n in self.numbers if n not in silent}
         return self.unchecked(misfire_share=lost)
 
     @cached_property

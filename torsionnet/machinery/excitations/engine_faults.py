@@ -67,8 +67,8 @@ def _mass(engine: EngineEntries) -> Iterator[Fault]:
     text += f": usual are {_rounded(low * volume)} to {_rounded(high * volume)} kg"
     # A usual mass in g or t, of which the unit was left out.
     meant = {mass / 1e3: f"{mass:g} g", mass * 1e3: f"{mass:g} t"}
-    found = next((words for one, words in meant.items() if low <= one / volume <= high), "")
-    yield Fault(text + question(found), ("reciprocating_mass",), "warning", meant=found, kind="implausible-size")
+    likely = next((words for size, words in meant.items() if low <= size / volume <= high), "")
+    yield Fault(text + question(likely), ("reciprocating_mass",), "warning", meant=likely, kind="implausible-size")
 
 
 def _rounded(size: float) -> str:
@@ -203,12 +203,12 @@ def _firing(engine: EngineEntries) -> Iterator[Fault]:
 def _incomplete(engine: EngineEntries, key: str, given: list[int]) -> Iterator[Fault]:
     """Faults of a list that does not hold every cylinder exactly once."""
     verb = ("miss", "have", "have") if key in ("firing_angles", "banks") else ("misses", "has", "has")
-    found = {
+    mistakes = {
         f"{verb[0]} cylinder": [number for number in engine.numbers if number not in given],
         f"{verb[1]} twice cylinder": sorted({number for number in given if given.count(number) > 1}),
         f"{verb[2]} a cylinder that the engine lacks:": [number for number in given if number not in engine.numbers],
     }
-    for text, wrong in found.items():
+    for text, wrong in mistakes.items():
         if wrong:
             yield Fault(
                 f"{key} {text} {comma_list(wrong)}; there are {comma_list(engine.numbers)}",
@@ -230,11 +230,11 @@ def _angles(engine: EngineEntries) -> Iterator[Fault]:
         return
     unlike = firing_against_banks(phases, engine.numbers, engine.cylinder_bank_angles)
     if unlike:
-        one, other, apart, due = unlike
+        cylinder, other, apart, due = unlike
         turn = f" or {math.degrees(due) + 360:g}" if engine.cycle == 4 else ""
         text = (
-            f"cylinders {one} and {other} are on one throw, {math.degrees(due):g} deg apart by their banks: they fire "
-            f"{math.degrees(due):g}{turn} deg apart, not {math.degrees(apart):g}; on split pins leave out banks"
+            f"cylinders {cylinder} and {other} are on one throw, {math.degrees(due):g} deg apart by their banks: they "
+            f"fire {math.degrees(due):g}{turn} deg apart, not {math.degrees(apart):g}; on split pins leave out banks"
         )
         yield Fault(text, (key,), on_key=True, kind="contradicting-values")
 
@@ -332,9 +332,9 @@ def engine_remarks(engine: EngineEntries, speeds: FloatArray | None) -> Iterator
                 kind="implausible-size",
             )
     for pressure, trace in (gas.traces or {}).items():
-        found = trace.mean_indicated_pressure(engine.crank.ratio, engine.revolutions, gas.zero)
-        if abs(found - pressure) > MEAN_PRESSURE_RTOL * max(pressure, 1e5):
-            text = f"{trace.origin}its mean indicated pressure is {found / 1e5:.4g} bar"
+        mean = trace.mean_indicated_pressure(engine.crank.ratio, engine.revolutions, gas.zero)
+        if abs(mean - pressure) > MEAN_PRESSURE_RTOL * max(pressure, 1e5):
+            text = f"{trace.origin}its mean indicated pressure is {mean / 1e5:.4g} bar"
             yield Fault(
                 f"{text}, but it is given under {pressure / 1e5:.4g} bar; correct one of them",
                 ("gas", "traces"),

@@ -85,20 +85,20 @@ def excitation_number(excitations: Mapping[str, OrderExcitation], name: str) -> 
     >>> excitation_number(excitations, "engine.gas.correction.0.5.real").path
     ('gas', 'correction', 0.5, 'real')
     """
-    owner = max((one for one in excitations if name.startswith(f"{one}.")), key=len, default=None)
+    owner = max((excitation for excitation in excitations if name.startswith(f"{excitation}.")), key=len, default=None)
     if owner is None:
         return None
     tokens = name.removeprefix(f"{owner}.").split(".")
-    found = _of_declared(excitations[owner], tokens)
+    located = _of_declared(excitations[owner], tokens)
     cylinders = getattr(excitations[owner], "cylinders", {})
-    if found is not None and tokens[0] in NEUTRAL_VALUES and tokens[-1] not in cylinders:
+    if located is not None and tokens[0] in NEUTRAL_VALUES and tokens[-1] not in cylinders:
         raise UsageError(f"{owner} has no cylinder {tokens[-1]}; there are {', '.join(cylinders)}", kind="unknown-name")
-    if found is None:
+    if located is None:
         tables = [f"{owner}.{entry}.{number}" for entry in NEUTRAL_VALUES for number in cylinders]
         known = [*tables, *(f"{owner}.{each}" for each in _names(excitations[owner]))]
         hint = did_you_mean(name, known) or (f"; it has {', '.join(known)}" if known else "")
         raise UsageError(f'{owner} has no number "{".".join(tokens)}" to vary{hint}', kind="unknown-name")
-    path, value, spec, absent = found
+    path, value, spec, absent = located
     high = LARGEST_BY_ENTRY.get(str(path[0]), inf if spec.below is None else spec.below)
     bounds = (-inf if spec.lower is None else spec.lower, high)
     return ExcitationNumber(name, owner, path, value, spec.dimension, bounds, absent)
@@ -107,9 +107,9 @@ def excitation_number(excitations: Mapping[str, OrderExcitation], name: str) -> 
 def numbers_by_name(name: str, excitation: OrderExcitation) -> Iterator[ExcitationNumber]:
     """Numbers (SI) in the entries of an excitation that are given, in the order of its entries."""
     for number in _names(excitation):
-        found = excitation_number({name: excitation}, f"{name}.{number}")
-        if found is not None:
-            yield found
+        known = excitation_number({name: excitation}, f"{name}.{number}")
+        if known is not None:
+            yield known
 
 
 def with_number(excitation: OrderExcitation, number: ExcitationNumber, value: float) -> OrderExcitation:
@@ -129,16 +129,16 @@ def with_numbers(excitations: Mapping[str, OrderExcitation], values: Mapping[str
     UsageError
         No excitation has such a number.
     """
-    found = dict(excitations)
+    changed = dict(excitations)
     for name, value in values.items():
-        number = excitation_number(found, name)
+        number = excitation_number(changed, name)
         if number is None:
             raise UsageError(
-                f'no excitation has a number "{name}"{did_you_mean(name.partition(".")[0], found)}',
+                f'no excitation has a number "{name}"{did_you_mean(name.partition(".")[0], changed)}',
                 kind="unknown-entry",
             )
-        found[number.excitation] = with_number(found[number.excitation], number, float(value))
-    return found
+        changed[number.excitation] = with_number(changed[number.excitation], number, float(value))
+    return changed
 
 
 Found = tuple[tuple[Any, ...], float, Value, "Declared | None"]
@@ -148,8 +148,8 @@ def _of_declared(owner: Declared, tokens: Sequence[str]) -> Found | None:
     spec = dict(owner.specs()).get(tokens[0])
     if spec is None:
         return None
-    found = _within(spec, getattr(owner, tokens[0]), tokens[1:], tokens[0])
-    return None if found is None else ((tokens[0], *found[0]), *found[1:])
+    located = _within(spec, getattr(owner, tokens[0]), tokens[1:], tokens[0])
+    return None if located is None else ((tokens[0], *located[0]), *located[1:])
 
 
 def _within(spec: Spec[Any], value: Any, tokens: Sequence[str], entry: str) -> Found | None:
@@ -159,8 +159,8 @@ def _within(spec: Spec[Any], value: Any, tokens: Sequence[str], entry: str) -> F
         return None
     if isinstance(spec, HarmonicTables):
         (key, table), *others = (value or {None: {}}).items()
-        found = None if others else _within(BY_ORDER, table, tokens, entry)
-        return None if found is None else ((key, *found[0]), *found[1:])
+        located = None if others else _within(BY_ORDER, table, tokens, entry)
+        return None if located is None else ((key, *located[0]), *located[1:])
     if isinstance(spec, TableByOrder):
         return _of_table(spec, value or {}, tokens)
     if isinstance(spec, Named) and isinstance(spec.of, Value):
@@ -168,8 +168,8 @@ def _within(spec: Spec[Any], value: Any, tokens: Sequence[str], entry: str) -> F
         allowed = len(tokens) == 1 and known is not None and (spec.refused is None or not spec.refused(tokens[0]))
         return ((tokens[0],), float(known), spec.of, None) if allowed and known is not None else None
     if isinstance(spec, Named) and tokens[0] in (value or {}):
-        found = _within(spec.of, value[tokens[0]], tokens[1:], entry)
-        return None if found is None else ((tokens[0], *found[0]), *found[1:])
+        located = _within(spec.of, value[tokens[0]], tokens[1:], entry)
+        return None if located is None else ((tokens[0], *located[0]), *located[1:])
     return _of_declared(value, tokens) if isinstance(spec, Nested) and isinstance(value, Declared) else None
 
 
@@ -186,9 +186,9 @@ def _of_table(spec: TableByOrder[Any], table: Mapping[float, Declared], tokens: 
         absent = None if row is not None or cls.required() else cls()
         if row is None and (absent is None or absent.contradictions()):
             continue
-        found = _of_declared(row or absent, tokens[count:])  # type: ignore[arg-type]
-        if found is not None:
-            return (key, *found[0]), found[1], found[2], absent or found[3]
+        located = _of_declared(row or absent, tokens[count:])  # type: ignore[arg-type]
+        if located is not None:
+            return (key, *located[0]), located[1], located[2], absent or located[3]
     return None
 
 

@@ -45,7 +45,7 @@ class TangentialHarmonic(Declared):
 
     def contradictions(self) -> list[Fault]:
         polar, parts = (self.amplitude, self.phase), (self.cosine, self.sine)
-        given = [pair for pair in (polar, parts) if any(one is not None for one in pair)]
+        given = [pair for pair in (polar, parts) if any(part is not None for part in pair)]
         if len(given) != 1 or None in given[0]:
             return [
                 Fault(
@@ -103,11 +103,11 @@ def amplitudes(table: Mapping[float, TangentialHarmonic], orders: FloatArray, ph
 
     0 at orders that the table lacks.
     """
-    found = np.zeros(len(orders), dtype=complex)
+    pressures = np.zeros(len(orders), dtype=complex)
     known = np.array(list(table), dtype=float)
     same, row = np.nonzero(np.abs(orders[:, None] - known) <= ORDER_ROUNDING * known)
-    found[same] = np.array([one.complex_amplitude(phase_of) for one in table.values()])[row]
-    return found
+    pressures[same] = np.array([harmonic.complex_amplitude(phase_of) for harmonic in table.values()])[row]
+    return pressures
 
 
 # Complex factors on the gas torque by order, with which measured orders correct a trace or a table.
@@ -133,10 +133,10 @@ def corrections(table: Mapping[float, OrderCorrection], orders: FloatArray) -> C
     >>> corrections({3.0: OrderCorrection(real=1.1, imag=0.2)}, np.array([1.5, 3.0])).tolist()
     [(1+0j), (1.1+0.2j)]
     """
-    found = np.ones(len(orders), dtype=complex)
-    for order, one in table.items():
-        found[np.isclose(orders, order)] = complex(one.real, one.imag)
-    return found
+    factors = np.ones(len(orders), dtype=complex)
+    for order, correction in table.items():
+        factors[np.isclose(orders, order)] = complex(correction.real, correction.imag)
+    return factors
 
 
 FIRING_TDC = "firing_tdc"

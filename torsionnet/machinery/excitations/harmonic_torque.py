@@ -196,9 +196,9 @@ class TableByOrder(Plural[Mapping[float, D]]):
                     )
                 )
                 continue
-            one, found = self.of.read(value)
-            table[place] = cast("D", one)
-            faults += [fault.under(key) for fault in found]
+            row, wrong = self.of.read(value)
+            table[place] = cast("D", row)
+            faults += [fault.under(key) for fault in wrong]
         return table, faults
 
     def plain(self, value: Any) -> Any:

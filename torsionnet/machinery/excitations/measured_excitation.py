@@ -94,8 +94,8 @@ def measured_lines(headings: Sequence[str], rows: FloatArray) -> MeasuredLines:
 
     Examples
     --------
-    >>> found = measured_lines(["order", "rms [N*m]", "phase [deg]"], np.array([[2.0, 10, 90], [4, 1, 0]]))
-    >>> found.keys.tolist(), found.quantity, [complex(value[0].round(3)) for value in found.values]
+    >>> table = measured_lines(["order", "rms [N*m]", "phase [deg]"], np.array([[2.0, 10, 90], [4, 1, 0]]))
+    >>> table.keys.tolist(), table.quantity, [complex(value[0].round(3)) for value in table.values]
     ([2.0, 4.0], 'torque', [14.142j, (1.414+0j)])
     """
     columns = _columns(headings)
@@ -108,8 +108,8 @@ def measured_lines(headings: Sequence[str], rows: FloatArray) -> MeasuredLines:
     if (keys <= 0).any():
         raise UsageError(f"{key} is above 0; the mean value is no vibration, leave its row out", kind="needless-entry")
     speeds = numbers["speed"] * _factor(columns["speed"][1], "speed", "speed") if "speed" in columns else None
-    found = np.unique(keys)
-    groups = [np.flatnonzero(keys == one) for one in found]
+    distinct = np.unique(keys)
+    groups = [np.flatnonzero(keys == line) for line in distinct]
     if speeds is None:
         _require(
             all(len(group) == 1 for group in groups),
@@ -117,7 +117,7 @@ def measured_lines(headings: Sequence[str], rows: FloatArray) -> MeasuredLines:
             "repeated-name",
         )
         return MeasuredLines(
-            quantity, key == "frequency", found, (), _parts(values, groups), has_phase, _parts(widths, groups)
+            quantity, key == "frequency", distinct, (), _parts(values, groups), has_phase, _parts(widths, groups)
         )
     # Each line over its own rising speeds, in whatever order the rows of the recording are.
     sorted_groups = [group[np.argsort(speeds[group])] for group in groups]
@@ -127,7 +127,7 @@ def measured_lines(headings: Sequence[str], rows: FloatArray) -> MeasuredLines:
         "repeated-name",
     )
     at, of = _parts(speeds, sorted_groups), _parts(values, sorted_groups)
-    return MeasuredLines(quantity, key == "frequency", found, at, of, has_phase, _parts(widths, sorted_groups))
+    return MeasuredLines(quantity, key == "frequency", distinct, at, of, has_phase, _parts(widths, sorted_groups))
 
 
 def _parts(values: NDArray[Any] | None, groups: Sequence[NDArray[np.int64]]) -> tuple[NDArray[Any], ...]:
@@ -154,7 +154,7 @@ def _require(holds: bool, text: str, kind: str) -> None:
 
 def _columns(headings: Sequence[str]) -> dict[str, tuple[int, str]]:
     """Index and unit of each column of a recording, by the column's name."""
-    found: dict[str, tuple[int, str]] = {}
+    columns: dict[str, tuple[int, str]] = {}
     for place, heading in enumerate(headings):
         match = _HEADING.fullmatch(heading)
         name = match[1] if match else heading
@@ -162,9 +162,9 @@ def _columns(headings: Sequence[str]) -> dict[str, tuple[int, str]]:
             hint = did_you_mean(name, KNOWN)
             text = f'"{heading}" is not a heading of a recording{hint}; known: {", ".join(KNOWN)}, as {FORM}'
             raise UsageError(Fault(text, about=name, kind="unknown-entry"))
-        _require(name not in found, f"{name} is given by two headings; keep one of them", "repeated-name")
-        found[name] = place, (match[2] or "").strip()
-    return found
+        _require(name not in columns, f"{name} is given by two headings; keep one of them", "repeated-name")
+        columns[name] = place, (match[2] or "").strip()
+    return columns
 
 
 def _key(columns: dict[str, tuple[int, str]]) -> str:
@@ -333,9 +333,9 @@ class OrderTableEntry(Nested[OrderTable]):
         return OrderTable(columns=columns, rows=rows), []
 
     def definitions(self) -> Schema:
-        found = super().definitions()
-        either: list[Json] = [{"type": "string"}, found[self.name]]
-        return {**found, self.name: {"description": self.description, "anyOf": either}}
+        schema = super().definitions()
+        either: list[Json] = [{"type": "string"}, schema[self.name]]
+        return {**schema, self.name: {"description": self.description, "anyOf": either}}
 
 
 @register_excitation
@@ -400,7 +400,7 @@ class MeasuredExcitation(ReactingExcitation):
         orders, fixed = (none, lines.keys) if lines.by_frequency else (lines.keys, none)
         # omega = h Omega + 2 pi f of each line, which takes speeds and accelerations to angles.
         omega = speeds[:, None] * orders + 2 * np.pi * fixed
-        found = np.stack([lines.at(place, speeds) for place in range(len(lines.keys))], axis=1)
+        values = np.stack([lines.at(place, speeds) for place in range(len(lines.keys))], axis=1)
         # x = v/(j omega) or a/(j omega)^2; angles and torques have power 0.
-        amplitudes = found / (1j * omega) ** POWERS[lines.quantity]
+        amplitudes = values / (1j * omega) ** POWERS[lines.quantity]
         return OrderTorques(orders, self.nodes, amplitudes[:, :, None], fixed=fixed)

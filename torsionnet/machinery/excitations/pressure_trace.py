@@ -81,10 +81,10 @@ def harmonics(samples: FloatArray, revolutions: int, orders: FloatArray) -> Comp
     lines = np.asarray(orders) * revolutions
     whole = np.rint(lines).astype(int)
     # X_h = 2/N sum_n x_n exp(-j 2 pi h n/N): peak values, and at order 0 twice the mean.
-    found = 2 * np.fft.rfft(samples) / len(samples)
+    spectrum = 2 * np.fft.rfft(samples) / len(samples)
     # Half orders exist over two revolutions only; the line at half the sampling rate has no phase and is left out.
     held = (np.abs(lines - whole) < 1e-9) & (whole < (len(samples) + 1) // 2)
-    return np.where(held, found[np.where(held, whole, 0)], 0)
+    return np.where(held, spectrum[np.where(held, whole, 0)], 0)
 
 
 LOWEST_PEAK, HIGHEST_PEAK = 1e3, 1e9
@@ -229,9 +229,9 @@ def read_pressure_file(path: Path) -> PressureTrace:
 
 
 def _refuse(faults: Iterator[Fault], path: Path) -> None:
-    found = list(faults)
-    if found:
-        raise ModelError(found, path.name)
+    wrong = list(faults)
+    if wrong:
+        raise ModelError(wrong, path.name)
 
 
 def _fault(kind: str, text: str, file: str, number: int, lines: Sequence[str], heading: str = "") -> Fault:
@@ -425,9 +425,9 @@ def _numbers(raw: Sequence[Any] | np.ndarray[Any, Any]) -> tuple[list[float], li
     """Pressures of a list in Pa, and the faults of entries that are no pressures."""
     values: list[float] = []
     faults: list[Fault] = []
-    for index, one in enumerate(raw.tolist() if isinstance(raw, np.ndarray) else raw):
-        plain = isinstance(one, float) and math.isfinite(one)
-        value, wrong = (one, []) if plain else PRESSURE.read(one)
+    for index, pressure in enumerate(raw.tolist() if isinstance(raw, np.ndarray) else raw):
+        plain = isinstance(pressure, float) and math.isfinite(pressure)
+        value, wrong = (pressure, []) if plain else PRESSURE.read(pressure)
         faults += [fault.under(index) for fault in wrong]
         values += [] if wrong else [not_none(value)]
     return values, faults

@@ -120,7 +120,7 @@ class PropellerTorque(OrderExcitation):
 
     def _wrong_orders(self) -> Iterator[Fault]:
         tables: dict[EntryPath, Any] = {("blade_orders",): self.blade_orders}
-        tables |= {("conditions", name, "blade_orders"): one.blade_orders for name, one in self.conditions.items()}
+        tables |= {("conditions", name, "blade_orders"): case.blade_orders for name, case in self.conditions.items()}
         for path, table in tables.items():
             for order in table:
                 if order != round(order):
@@ -138,7 +138,7 @@ class PropellerTorque(OrderExcitation):
         4 and 8 of 4 blades, without 1.
         """
         tables: dict[EntryPath, Any] = {("blade_orders",): self.blade_orders}
-        tables |= {("conditions", name, "blade_orders"): one.blade_orders for name, one in self.conditions.items()}
+        tables |= {("conditions", name, "blade_orders"): case.blade_orders for name, case in self.conditions.items()}
         for path, table in tables.items():
             # Blade order 1 is the largest in most wakes: a table of multiples of the blade number without it probably
             # counts revolutions of the shaft.

@@ -76,9 +76,9 @@ class ReciprocatingEngine(EngineEntries):
         phase_factors = {number: np.exp(-1j * orders * angle) for number, angle in self.acting_phases.items()}
         fired, motored = self.fired_harmonics(speeds), self._motored(speeds)
         gas = {number: self._gas_of(number, fired, motored) * phase_factors[number] for number in self.numbers}
-        found = np.zeros((len(speeds), len(orders), len(nodes)), dtype=complex)
+        torques = np.zeros((len(speeds), len(orders), len(nodes)), dtype=complex)
         for number, node in self.numbers.items():
-            found[:, :, nodes.index(node)] += moving * phase_factors[number] + gas[number]
+            torques[:, :, nodes.index(node)] += moving * phase_factors[number] + gas[number]
         sound = [number for number in self.numbers if number not in self.gas_off]
         # Deviations from the nominal sum: motored instead of fired torque, or a share of the gas torque.
         misfires = {number: motored * phase_factors[number] - gas[number] for number in sound}
@@ -86,7 +86,7 @@ class ReciprocatingEngine(EngineEntries):
         return OrderTorques(
             orders,
             nodes,
-            found,
+            torques,
             alternatives=self._shares("misfire of cylinder {number}", misfires) if self.misfire == EACH else None,
             scatter=self._shares("cylinder {number}", scatter) if self.spread else None,
         )
@@ -128,10 +128,10 @@ class ReciprocatingEngine(EngineEntries):
         if self.gas is None:
             return np.zeros(shape, dtype=complex)
         try:
-            found = self.gas.fired_harmonics(self.crank, self.acting_orders, self.indicated_pressures(speeds), speeds)
+            torque = self.gas.fired_harmonics(self.crank, self.acting_orders, self.indicated_pressures(speeds), speeds)
         except UsageError as error:
             raise UsageError(f"engine on {self.shaft}: {error}", kind=error.kind) from None
-        return np.asarray(self.gas.factor(speeds)[:, None] * np.broadcast_to(found, shape))
+        return np.asarray(self.gas.factor(speeds)[:, None] * np.broadcast_to(torque, shape))
 
     def _motored(self, speeds: FloatArray) -> ComplexArray:
         if self.gas is None:
@@ -150,14 +150,14 @@ def crankshafts(excitations: Mapping[str, OrderExcitation]) -> list[list[str]]:
     Engines that name the same node count their firing angles from the same angle, as the stages of a compressor.
     """
     together: Groups[tuple[str, str]] = Groups()
-    for name, one in excitations.items():
-        if one.crankshaft:
+    for name, excitation in excitations.items():
+        if excitation.crankshaft:
             # Engines with a node in common are on one crankshaft, also through a third engine.
-            together.join(("engine", name), *(("node", node) for node in sorted(one.crankshaft)))
+            together.join(("engine", name), *(("node", node) for node in sorted(excitation.crankshaft)))
     groups = [{name for kind, name in group if kind == "engine"} for group in together.groups()]
-    found = [[name for name in excitations if name in group] for group in groups]
+    shafts = [[name for name in excitations if name in group] for group in groups]
     order = list(excitations)
-    return sorted(found, key=lambda group: order.index(group[0]))
+    return sorted(shafts, key=lambda group: order.index(group[0]))
 
 
 def unlocked_engines(acting: Mapping[str, OrderExcitation], declared: Mapping[str, OrderExcitation]) -> dict[str, str]:
@@ -172,12 +172,12 @@ def unlocked_engines(acting: Mapping[str, OrderExcitation], declared: Mapping[st
     # The first engine gives phase 0; all that state a phase to it are locked, others by their own crankshaft only.
     fixed = {name for shaft in [*shafts[:1], *phased] for name in shaft}
     classes = [fixed, *(set(shaft) for shaft in shafts if not fixed & set(shaft))]
-    found = {}
-    for name, one in acting.items():
-        if one.crankshaft:
+    firsts = {}
+    for name, excitation in acting.items():
+        if excitation.crankshaft:
             alike = next(names for names in classes if name in names)
-            found[name] = next(other for other in acting if other in alike)
-    return found if len(set(found.values())) > 1 else {}
+            firsts[name] = next(other for other in acting if other in alike)
+    return firsts if len(set(firsts.values())) > 1 else {}
 
 
 def running_engines_text(excitations: Mapping[str, OrderExcitation]) -> str:
@@ -198,7 +198,7 @@ def conditions_running_alone(conditions: Iterable[tuple[str, Mapping[str, OrderE
         _named(engine): [
             name or "the model as written"
             for name, excitations, engines in known
-            if [shaft for shaft in engines if any(excitations[one].enabled for one in shaft)] == [engine]
+            if [shaft for shaft in engines if any(excitations[member].enabled for member in shaft)] == [engine]
         ]
         for engine in (known[0][2] if known and len(known[0][2]) > 1 else ())
     }
@@ -283,7 +283,7 @@ def cylinder_harmonics(engine: ReciprocatingEngine, speed: float) -> tuple[Cylin
     --------
     >>> engine = ReciprocatingEngine(speed_of="c1", cycle=4, cylinders={1: "c1", 2: "c2"}, firing_order=[1, 2],
     ...     bore="100 mm", stroke="120 mm", rod_length="240 mm", reciprocating_mass="1 kg", orders=[1, 2])
-    >>> [(one.order, round(one.inertia), round(one.torque, 3)) for one in cylinder_harmonics(engine, 100.0)]
+    >>> [(row.order, round(row.inertia), round(row.torque, 3)) for row in cylinder_harmonics(engine, 100.0)]
     [(1.0, 4852, 2.286), (2.0, 38207, 18.005)]
     """
     crank, orders = engine.crank, engine.acting_orders
@@ -339,8 +339,8 @@ def indicated_pressures(engine: ReciprocatingEngine, speeds: FloatArray) -> tupl
     ...     stroke="120 mm", rod_length="240 mm",
     ...     gas={"harmonics": {"20 bar": {1: {"amplitude": "2 bar", "phase": 0}}}},
     ...     load={"mean_indicated_pressure": "20 bar"})
-    >>> (one,) = indicated_pressures(engine, np.array([100.0]))  # 20 bar of 0.94248 l in two revolutions
-    >>> round(one.pressure), round(one.torque, 3)
+    >>> (pressure,) = indicated_pressures(engine, np.array([100.0]))  # 20 bar of 0.94248 l in two revolutions
+    >>> round(pressure.pressure), round(pressure.torque, 3)
     (2000000, 150.0)
     """
     pressures = engine.indicated_pressures(speeds)

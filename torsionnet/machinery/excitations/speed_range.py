@@ -176,5 +176,5 @@ class SpeedRange(Declared):
         (low, high), step = not_none(self.range), not_none(self.step)
         # Rounding of an end that is a whole number of steps away must not lose the last speed.
         count = int((high - low) / step * (1 + 1e-12) + 1e-9)
-        found = [low + number * step for number in range(count + 1)]
-        return (*found, high) if high - found[-1] > 1e-9 * high else tuple(found)
+        speeds = [low + number * step for number in range(count + 1)]
+        return (*speeds, high) if high - speeds[-1] > 1e-9 * high else tuple(speeds)

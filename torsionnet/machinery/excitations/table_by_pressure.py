@@ -51,12 +51,12 @@ class TableByPressure(Composite[Mapping[float, Stored_co]]):
             if pressure in table:
                 faults.append(Fault(f"{key} stands twice; keep one", (key,), on_key=True, kind="repeated-name"))
                 continue
-            table[pressure], found = self.of.read(value)
-            faults += [fault.under(key) for fault in found]
+            table[pressure], wrong = self.of.read(value)
+            faults += [fault.under(key) for fault in wrong]
         return dict(sorted(table.items())), faults
 
     def plain(self, value: Any) -> Json:
-        return {f"{pressure!r} Pa": self.of.plain(one) for pressure, one in value.items()}
+        return {f"{pressure!r} Pa": self.of.plain(stored) for pressure, stored in value.items()}
 
     def schema(self) -> Schema:
         return {

@@ -89,8 +89,8 @@ class UniversalJoint(TwistExcitation):
     Examples
     --------
     >>> cross = UniversalJoint(joint="shaft", speed_of="gearbox", angle="10 deg")
-    >>> found = cross.torques(np.array([100.0]))
-    >>> found.orders.tolist(), abs(found.amplitudes[0, :, 0]).round(8).tolist()
+    >>> pulsation = cross.torques(np.array([100.0]))
+    >>> pulsation.orders.tolist(), abs(pulsation.amplitudes[0, :, 0]).round(8).tolist()
     ([2.0, 4.0], [0.00765427, 2.929e-05])
     """
 
@@ -175,8 +175,8 @@ class GearMesh(TwistExcitation):
     --------
     >>> mesh = GearMesh(mesh="stage", speed_of="pinion", teeth=17, base_radius="40 mm",
     ...     transmission_error={1: {"way": "4 um"}}, run_out={"way": "10 um"})
-    >>> found = mesh.torques(np.array([100.0]))
-    >>> found.orders.tolist(), found.amplitudes[0, :, 0].real.round(9).tolist()
+    >>> pulsation = mesh.torques(np.array([100.0]))
+    >>> pulsation.orders.tolist(), pulsation.amplitudes[0, :, 0].real.round(9).tolist()
     ([17.0, 1.0], [0.0001, 0.00025])
     """
 

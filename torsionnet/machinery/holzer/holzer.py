@@ -114,8 +114,8 @@ def holzer_table(
     hertz = omega / (2 * math.pi)
     extra = [*_film_notes(drivetrain, omega, balance), *_housing_notes(balance)]
     notes = (*notes, *extra, *law_notes(drivetrain.definition), *range_notes(drivetrain.assembly, [hertz]))
-    found = HolzerTable(hertz, mode, shaft, branches, drivetrain.title, notes, bool(rests), drivetrain.configuration)
-    return found if segments else found.whole_shafts()
+    table = HolzerTable(hertz, mode, shaft, branches, drivetrain.title, notes, bool(rests), drivetrain.configuration)
+    return table if segments else table.whole_shafts()
 
 
 def _film_notes(drivetrain: AssembledModel, omega: float, balance: HolzerBalance) -> Iterator[str]:
@@ -143,12 +143,12 @@ def _film_notes(drivetrain: AssembledModel, omega: float, balance: HolzerBalance
 
 def _housing_notes(balance: HolzerBalance) -> Iterator[str]:
     """Sentences on gears whose twist is not that of two stations alone, as their housing turns with a third motion."""
-    housed = [one for one in balance.loads if one.housing in one.row]
+    housed = [load for load in balance.loads if load.housing in load.row]
     for rigid, text in (
         (False, "the twist of {elements} counts the motion of the housing, and the angle of the next station does too"),
         (True, "behind the rigid mesh of {elements} the angle counts the motion of the housing"),
     ):
-        names = dict.fromkeys(one.element for one in housed if one.rigid == rigid)
+        names = dict.fromkeys(load.element for load in housed if load.rigid == rigid)
         if names:
             yield phrase(text, elements=", ".join(names))
 
@@ -200,8 +200,8 @@ class _HolzerWalk:
         Each is summed before the line that it joins.
         """
         self._add_other_torques()
-        found = {line: self._branch(line) for line in reversed(order)}
-        return [found[line] for line in order]
+        branches = {line: self._branch(line) for line in reversed(order)}
+        return [branches[line] for line in order]
 
     def _add_other_torques(self) -> None:
         """Add the torques of connections outside the lines, as springs to ground, locks, planetary sets, loops."""
@@ -324,7 +324,7 @@ class CountedVibration:
     def lowest(self) -> float:
         """Lower one of a mode's natural frequencies in Hz without and with damping, or the only one it has."""
         both = (self.undamped_frequency, self.natural_frequency)
-        return min(one for one in both if not math.isnan(one))
+        return min(frequency for frequency in both if not math.isnan(frequency))
 
 
 def natural_frequency_table(title: str, rows: tuple[CountedVibration, ...], notes: tuple[str, ...] = ()) -> Table:
@@ -350,15 +350,15 @@ def natural_frequencies(drivetrain: AssembledModel) -> tuple[CountedVibration, .
     >>> import torsionnet as tn
     >>> elements = [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
     ...     tn.Spring("shaft", nodes=("a", "b"), stiffness=1e4)]
-    >>> (one,) = natural_frequencies(tn.Drivetrain("fan", elements))  # sqrt(1e4 (1/2 + 1)) rad/s
-    >>> one.mode, round(one.undamped_frequency, 4), one.n_nodes, one.against
+    >>> (vibration,) = natural_frequencies(tn.Drivetrain("fan", elements))  # sqrt(1e4 (1/2 + 1)) rad/s
+    >>> vibration.mode, round(vibration.undamped_frequency, 4), vibration.n_nodes, vibration.against
     (1, 19.4924, 1, 'b against a')
     """
     links = Links.of(drivetrain.assembly)
     senses = _senses(drivetrain)
     damped = modes(drivetrain)
-    found = sorted(vibration_modes(drivetrain, damped), key=lambda one: one.number)
-    return tuple(_row(drivetrain, links, senses, one, damped) for one in found)
+    vibrations = sorted(vibration_modes(drivetrain, damped), key=lambda mode: mode.number)
+    return tuple(_row(drivetrain, links, senses, mode, damped) for mode in vibrations)
 
 
 def _row(

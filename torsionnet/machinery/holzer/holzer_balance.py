@@ -102,11 +102,11 @@ def trial_angles(drivetrain: AssembledModel, omega: float, first: str, last: str
     # row.
     bordered = np.block([[dynamic / scale, -end[:, None]], [start[None, :], np.zeros((1, 1))]])
     try:
-        found = np.linalg.solve(bordered, np.append(np.zeros(len(dynamic)), 1.0))
+        unknowns = np.linalg.solve(bordered, np.append(np.zeros(len(dynamic)), 1.0))
     except np.linalg.LinAlgError:
         text = f"at {omega / (2 * np.pi):.6g} Hz {first} stands still whatever acts on {last}; start elsewhere"
         raise SolveError(text, kind="no-solution") from None
-    return np.asarray(nodes @ found[:-1])
+    return np.asarray(nodes @ unknowns[:-1])
 
 
 def balance_of(drivetrain: AssembledModel, omega: float, angles: FloatArray, last: str | None = None) -> HolzerBalance:
@@ -221,16 +221,16 @@ def holzer_lines(
 ) -> tuple[list[HolzerLine], Neighbours]:
     """Main lines and branches of a Holzer table, by names of nodes, and the torque laws between neighbouring nodes."""
     tree = _tree(nodes, loads)
-    found: list[HolzerLine] = []
+    lines: list[HolzerLine] = []
     seen: set[str] = set()
     for node in ([first] if first else []) + list(nodes):
         if node not in seen:
             start = node if node == first else _first_end(tree, node, nodes)
             # The main line is the longest way from the start; what leaves it are branches.
             main = _farthest(tree, start, set())
-            found += _with_branches(tree, HolzerLine(tuple(main)), set(main))
-            seen |= {one for line in found for one in line.nodes}
-    return found, tree
+            lines += _with_branches(tree, HolzerLine(tuple(main)), set(main))
+            seen |= {node for line in lines for node in line.nodes}
+    return lines, tree
 
 
 def _tree(nodes: Sequence[str], loads: Iterable[NodeLoad]) -> dict[str, dict[str, tuple[NodeLoad, ...]]]:
@@ -240,13 +240,13 @@ def _tree(nodes: Sequence[str], loads: Iterable[NodeLoad]) -> dict[str, dict[str
     for load in loads:
         if len(load.ends) != 2:
             continue
-        one, other = load.ends
-        if other in tree[one]:
-            tree[one][other] = tree[other][one] = (*tree[one][other], load)
+        near, other = load.ends
+        if other in tree[near]:
+            tree[near][other] = tree[other][near] = (*tree[near][other], load)
         # Kruskal: an element between nodes that are connected already would close a loop.
-        elif _root(home, one) != _root(home, other):
-            home[_root(home, one)] = _root(home, other)
-            tree[one][other] = tree[other][one] = (load,)
+        elif _root(home, near) != _root(home, other):
+            home[_root(home, near)] = _root(home, other)
+            tree[near][other] = tree[other][near] = (load,)
     return tree
 
 
@@ -260,7 +260,7 @@ def _root(home: dict[str, str], node: str) -> str:
 def _first_end(tree: Neighbours, node: str, nodes: Sequence[str]) -> str:
     """Name of the first free end, in the order of the model, among the nodes connected to a node."""
     there = set(_connected(tree, node))
-    return next((one for one in nodes if one in there and len(tree[one]) == 1), node)
+    return next((end for end in nodes if end in there and len(tree[end]) == 1), node)
 
 
 def _connected(tree: Neighbours, node: str) -> Iterator[str]:

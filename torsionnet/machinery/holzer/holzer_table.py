@@ -142,7 +142,7 @@ class HolzerTable(SavedResult):
     >>> elements = [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
     ...     tn.Spring("shaft", nodes=("a", "b"), stiffness=1e4)]
     >>> holzer = tn.Drivetrain("fan", elements).holzer_table(1)
-    >>> [(one.node, round(one.amplitude, 6), round(one.torque, 3) + 0.0) for one in holzer.branches[0].stations]
+    >>> [(mass.node, round(mass.amplitude, 6), round(mass.torque, 3) + 0.0) for mass in holzer.branches[0].stations]
     [('a', 1.0, 30000.0), ('b', -2.0, 0.0)]
     """
 
@@ -181,11 +181,11 @@ class HolzerTable(SavedResult):
     @property
     def _largest(self) -> float:
         """Largest torque in N m in any connection between two stations of a Holzer table."""
-        return max((abs(one.torque) for one in self._stations() if one.link is not None), default=0.0)
+        return max((abs(station.torque) for station in self._stations() if station.link is not None), default=0.0)
 
     def station(self, node: str) -> HolzerStation:
         """Station of a Holzer table by the name of its node."""
-        return next(one for one in self._stations() if one.node == node)
+        return next(station for station in self._stations() if station.node == node)
 
     def whole_shafts(self) -> HolzerTable:
         """Copy of a Holzer table in which every divided shaft is one link, with the stiffness of all its segments.
@@ -194,12 +194,12 @@ class HolzerTable(SavedResult):
         tau_i that of its own inertia at an inner node, which lies at the share x_i of the shaft's flexibility. So
         (1 - x_i) tau_i counts at the near end and x_i tau_i at the far one, and every row still closes.
         """
-        if not any(one.inside for one in self._stations()):
+        if not any(station.inside for station in self._stations()):
             return self
         # A branch hands its torque to the line that it joins, which therefore comes after it.
         moved: dict[str, tuple[float, float]] = {}
-        found = [_with_whole_shafts(branch, moved) for branch in reversed(self.branches)]
-        return replace(self, branches=tuple(reversed(found)))
+        branches = [_with_whole_shafts(branch, moved) for branch in reversed(self.branches)]
+        return replace(self, branches=tuple(reversed(branches)))
 
     def tables(self, *, referred: bool = False) -> tuple[Table, ...]:
         """Tables of the branches of a Holzer table, each with a row per station.
@@ -223,7 +223,7 @@ class HolzerTable(SavedResult):
     @property
     def has_distributed(self) -> bool:
         """Whether inertia other than that of discs, as that of shafts, acts in a Holzer table."""
-        return any(one.distributed for one in self._stations())
+        return any(station.distributed for station in self._stations())
 
     def _stations(self) -> Iterator[HolzerStation]:
         for branch in self.branches:
@@ -245,14 +245,14 @@ class HolzerTable(SavedResult):
             Column("stress", "MPa", 5),
             Column("to the next by"),
         )
-        rows = tuple(_row(one, NEGLIGIBLE_TORQUE * self._largest, referred=referred) for one in branch.stations)
+        rows = tuple(_row(station, NEGLIGIBLE_TORQUE * self._largest, referred=referred) for station in branch.stations)
         name = f"branch {number}, " if len(self.branches) > 1 else ""
         last = number == len(self.branches)
         heading = f"{self.heading}\n" if number == 1 else ""
-        found = Table(f"{heading}{name}{branch.title}", columns, rows, self._notes() if last else ())
+        table = Table(f"{heading}{name}{branch.title}", columns, rows, self._notes() if last else ())
         if self.has_distributed:
-            return found
-        return found.chosen([place for place, one in enumerate(columns) if one.name != DISTRIBUTED])
+            return table
+        return table.chosen([place for place, column in enumerate(columns) if column.name != DISTRIBUTED])
 
     def _notes(self) -> tuple[str, ...]:
         at = self.branches[0].stations[-1].node
@@ -270,11 +270,11 @@ def _with_whole_shafts(branch: HolzerBranch, moved: dict[str, tuple[float, float
     stations: list[HolzerStation] = []
     carried, far = 0.0, 0.0
     for group in _shaft_groups(branch.stations):
-        near, links = group[0], [one.link for one in group if one.link is not None]
+        near, links = group[0], [station.link for station in group if station.link is not None]
         joined, distributed = moved.get(near.node, (0.0, 0.0))
         near = replace(near, joined=near.joined + joined, distributed=near.distributed + distributed + far)
         shares = _far_shares(links)
-        inner = [one.inertia_torque + one.distributed + one.joined for one in group[1:]]
+        inner = [station.inertia_torque + station.distributed + station.joined for station in group[1:]]
         far = sum(share * torque for share, torque in zip(shares, inner, strict=False))
         near = replace(near, distributed=near.distributed + sum(inner) - far)
         torque = carried + near.inertia_torque + near.distributed + near.joined
@@ -291,18 +291,18 @@ def _with_whole_shafts(branch: HolzerBranch, moved: dict[str, tuple[float, float
 def _shaft_groups(stations: tuple[HolzerStation, ...]) -> Iterator[list[HolzerStation]]:
     """Yield each station with those behind it that lie inside the shaft which leads on from it."""
     group: list[HolzerStation] = []
-    for one in stations:
-        if group and not one.inside:
+    for station in stations:
+        if group and not station.inside:
             yield group
             group = []
-        group.append(one)
+        group.append(station)
     if group:
         yield group
 
 
 def _far_shares(links: list[HolzerLink]) -> list[float]:
     """Share of a shaft's flexibility that lies before each of its inner nodes."""
-    flexibility = [1 / one.stiffness for one in links]
+    flexibility = [1 / link.stiffness for link in links]
     return [before / sum(flexibility) for before in itertools.accumulate(flexibility[:-1])]
 
 
@@ -310,22 +310,22 @@ def _joined_links(links: list[HolzerLink]) -> HolzerLink | None:
     """Link of several in series; its stress is the largest of theirs."""
     if len(links) < 2:
         return links[0] if links else None
-    names = tuple(dict.fromkeys(name for one in links for name in one.elements))
-    twist, stress = sum(one.twist for one in links), max(one.stress for one in links)
-    return HolzerLink(names, 1 / sum(1 / one.stiffness for one in links), twist, stress, links[-1].ratio)
+    names = tuple(dict.fromkeys(name for link in links for name in link.elements))
+    twist, stress = sum(link.twist for link in links), max(link.stress for link in links)
+    return HolzerLink(names, 1 / sum(1 / link.stiffness for link in links), twist, stress, links[-1].ratio)
 
 
-def _row(one: HolzerStation, rounding: float, *, referred: bool) -> tuple[object, ...]:
+def _row(mass: HolzerStation, rounding: float, *, referred: bool) -> tuple[object, ...]:
     # Referred to the shaft of speed 1: J n^2, k n^2, T n and theta/n, so that T theta stays.
-    angle, torque = (1 / one.ratio, one.ratio) if referred else (1.0, 1.0)
-    link = one.link
-    own = [one.node, one.inertia, one.inertia * one.ratio**2, one.amplitude * angle, one.inertia_torque * torque]
-    own += [part * torque if part else None for part in (one.distributed, one.joined)]
-    own.append(one.torque * torque if abs(one.torque) > rounding else 0.0)
+    angle, torque = (1 / mass.ratio, mass.ratio) if referred else (1.0, 1.0)
+    link = mass.link
+    own = [mass.node, mass.inertia, mass.inertia * mass.ratio**2, mass.amplitude * angle, mass.inertia_torque * torque]
+    own += [part * torque if part else None for part in (mass.distributed, mass.joined)]
+    own.append(mass.torque * torque if abs(mass.torque) > rounding else 0.0)
     if link is None:
         return (*own, None, None, None, None, "")
     stiff = not math.isinf(link.stiffness)
-    stiffness = (link.stiffness, link.stiffness * one.ratio**2) if stiff else (None, None)
+    stiffness = (link.stiffness, link.stiffness * mass.ratio**2) if stiff else (None, None)
     names = ", ".join(link.elements) if stiff else f"{', '.join(link.elements)} (rigid)"
     return (*own, *stiffness, link.twist * angle if stiff else None, link.stress * MPA_PER_PA, names)
 
@@ -377,30 +377,32 @@ def vibration_nodes(holzer: HolzerTable) -> tuple[VibrationNode, ...]:
     >>> import torsionnet as tn
     >>> elements = [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
     ...     tn.Spring("shaft", nodes=("a", "b"), stiffness=1e4)]
-    >>> [(one.first, one.second, round(one.position, 6))
-    ...     for one in vibration_nodes(tn.Drivetrain("fan", elements).holzer_table(1))]
+    >>> [(node.first, node.second, round(node.position, 6))
+    ...     for node in vibration_nodes(tn.Drivetrain("fan", elements).holzer_table(1))]
     [('a', 'b', 0.333333)]
     """
-    found = []
-    rounding = ROUNDED_SHARE * max(abs(one.amplitude) for branch in holzer.branches for one in branch.stations)
+    nodes = []
+    rounding = ROUNDED_SHARE * max(abs(station.amplitude) for branch in holzer.branches for station in branch.stations)
     rests: dict[str, set[int]] = {}
     for here, after in _links(holzer):
         assert here.link is not None
         # Both angles on the shaft of the first mass: theta_2 times the ratio of the link.
-        near, far = (one if abs(one) > rounding else 0.0 for one in (here.amplitude, after.amplitude * here.link.ratio))
+        near, far = (
+            angle if abs(angle) > rounding else 0.0 for angle in (here.amplitude, after.amplitude * here.link.ratio)
+        )
         limit = STANDING_SHARE * max(abs(near), abs(far))
         if here.link.rigid or not limit:
             continue
         # The angle runs straight over the compliance: it is 0 at near/(near - far) of it.
         if near * far < 0 and min(abs(near), abs(far)) > limit:
-            found.append(VibrationNode(here.node, after.node, here.link.elements, near / (near - far)))
+            nodes.append(VibrationNode(here.node, after.node, here.link.elements, near / (near - far)))
         # The sense of a neighbour is seen on the shaft of the mass at rest.
         for node, own, other in ((here.node, near, far), (after.node, far, near)):
             if abs(own) <= limit:
                 forwards = other > 0 if node == here.node else other * here.link.ratio > 0
                 rests.setdefault(node, set()).add(1 if forwards else -1)
     still = (VibrationNode(node, node, (), 0.0) for node, senses in rests.items() if len(senses) > 1)
-    return (*found, *still)
+    return (*nodes, *still)
 
 
 def _links(holzer: HolzerTable) -> Iterator[tuple[HolzerStation, HolzerStation]]:

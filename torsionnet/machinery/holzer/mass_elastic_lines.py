@@ -64,7 +64,7 @@ def hidden_nodes(drivetrain: AssembledModel, tree: Neighbours, inertias: Mapping
         if not chain:
             continue
         # Flexibility 1/k of each part of the shaft, parallel elements of a part added as stiffnesses.
-        steps = [1 / sum(load.stiffness_at(one) for load in tree[one][other]) for one, other in pairwise(chain)]
+        steps = [1 / sum(load.stiffness_at(near) for load in tree[near][other]) for near, other in pairwise(chain)]
         names |= set(inner)
         for place, node in enumerate(chain[1:-1], 1):
             share = sum(steps[:place]) / sum(steps)
@@ -78,9 +78,9 @@ def _chain(tree: Neighbours, inner: Sequence[str]) -> list[str]:
     first = next((node for node in inner if len(set(tree[node]) - set(inner)) >= 1), None)
     if first is None:
         return []
-    chain = [next(one for one in tree[first] if one not in inner), first]
+    chain = [next(node for node in tree[first] if node not in inner), first]
     while chain[-1] in inner:
-        onward = [one for one in tree[chain[-1]] if one != chain[-2]]
+        onward = [node for node in tree[chain[-1]] if node != chain[-2]]
         if len(onward) != 1 or any(load.rigid for load in tree[chain[-1]][onward[0]]):
             return []
         chain += onward
@@ -102,14 +102,14 @@ def whole_shaft(parts: Sequence[MassElasticShaft]) -> MassElasticShaft:
     if len(parts) == 1:
         return parts[0]
     # Springs in series: one torque, twists add, 1/k = sum 1/k_i.
-    stiffness = 1 / sum(1 / one.stiffness for one in parts)
+    stiffness = 1 / sum(1 / part.stiffness for part in parts)
     return replace(
         parts[0],
         to=parts[-1].to,
         stiffness=stiffness,
         # gamma_i = (k/k_i) gamma: the loss sum c_i gamma_i'^2 is that of c = k^2 sum c_i/k_i^2.
-        damping=stiffness**2 * sum(one.damping / one.stiffness**2 for one in parts),
-        loss_factor=stiffness * sum(one.loss_factor / one.stiffness for one in parts),
+        damping=stiffness**2 * sum(part.damping / part.stiffness**2 for part in parts),
+        loss_factor=stiffness * sum(part.loss_factor / part.stiffness for part in parts),
         segments=len(parts),
     )
 
@@ -159,8 +159,8 @@ def mass_elastic_table(drivetrain: AssembledModel, referred_to: str | None = Non
     Examples
     --------
     >>> import torsionnet as tn
-    >>> found = tn.load("reciprocating_compressor_train").mass_elastic_table()  # flywheel: 140.45 / 2.96^2
-    >>> round(found.rows[3].referred_inertia, 3), round(found.total_inertia, 2)
+    >>> sheet = tn.load("reciprocating_compressor_train").mass_elastic_table()  # flywheel: 140.45 / 2.96^2
+    >>> round(sheet.rows[3].referred_inertia, 3), round(sheet.total_inertia, 2)
     (16.03, 43.1)
     """
     definition, nodes = drivetrain.definition, drivetrain.assembly.nodes
@@ -229,38 +229,38 @@ class _Walk:
 
     def _absolute(self, node: str) -> float:
         """Damping in N m s/rad of a node against the ground."""
-        return sum(one.damping * one.row[node] ** 2 for one in self.damping if tuple(one.row) == (node,))
+        return sum(law.damping * law.row[node] ** 2 for law in self.damping if tuple(law.row) == (node,))
 
     def _film(self, node: str) -> MassElasticShaft | None:
         """Connection of a node with another one by damping alone, or None."""
-        found = next(
-            (one for one in self.damping if node in one.row and len(one.row) == 2 and not self._is_followed(one)), None
+        film = next(
+            (law for law in self.damping if node in law.row and len(law.row) == 2 and not self._is_followed(law)), None
         )
-        if found is None:
+        if film is None:
             return None
-        other = next(one for one in found.row if one != node)
-        return MassElasticShaft((found.element,), other, 0.0, found.damping * found.row[node] ** 2)
+        other = next(end for end in film.row if end != node)
+        return MassElasticShaft((film.element,), other, 0.0, film.damping * film.row[node] ** 2)
 
     def _is_followed(self, law: _DampingLaw) -> bool:
         """Whether a law of damping lies between two neighbours that a spring or a rigid connection joins."""
-        one, other = law.row
-        return other in self.tree[one]
+        near, other = law.row
+        return other in self.tree[near]
 
     def _shaft(self, node: str, after: str) -> MassElasticShaft:
         loads = self.tree[node][after]
         stiffness = sum(load.stiffness_at(node) for load in loads)
         elements = {load.element for load in loads}
         laws = [
-            one
-            for one in self.damping
-            if set(one.row) == {node, after} or (one.element in elements and {node, after} <= set(one.row))
+            law
+            for law in self.damping
+            if set(law.row) == {node, after} or (law.element in elements and {node, after} <= set(law.row))
         ]
-        names = tuple(dict.fromkeys([*(load.element for load in loads), *(one.element for one in laws)]))
-        found = MassElasticShaft(names, after, stiffness, sum(one.damping * one.row[node] ** 2 for one in laws))
+        names = tuple(dict.fromkeys([*(load.element for load in loads), *(law.element for law in laws)]))
+        shaft = MassElasticShaft(names, after, stiffness, sum(law.damping * law.row[node] ** 2 for law in laws))
         # k eta of parallel laws adds; eta of the connection is their sum over the sum of k.
-        lossy = sum(one.lossy * one.row[node] ** 2 for one in laws)
-        found = replace(found, loss_factor=lossy / stiffness) if lossy else found
-        return replace(found, section=self._section(loads), length=self._length(loads), material=self._material(loads))
+        lossy = sum(law.lossy * law.row[node] ** 2 for law in laws)
+        shaft = replace(shaft, loss_factor=lossy / stiffness) if lossy else shaft
+        return replace(shaft, section=self._section(loads), length=self._length(loads), material=self._material(loads))
 
     def _section(self, loads: Sequence[NodeLoad]) -> StationSection | None:
         """Outer and inner diameter in m and section modulus in m^3 of a connection that is one shaft, else None."""
@@ -300,6 +300,6 @@ class _Walk:
             size = "rigid" if load.rigid else f"{load.stiffness:.5g} N*m/rad"
             yield f"{load.element} ties {ends} ({size})"
         shown = {name for line in lines for row in line.rows if row.shaft for name in row.shaft.elements}
-        for one in self.damping:
-            if len(one.row) > 1 and one.element not in shown and one.damping:
-                yield f"{one.element} damps {', '.join(one.row)} ({one.damping:.5g} N*m*s/rad)"
+        for law in self.damping:
+            if len(law.row) > 1 and law.element not in shown and law.damping:
+                yield f"{law.element} damps {', '.join(law.row)} ({law.damping:.5g} N*m*s/rad)"

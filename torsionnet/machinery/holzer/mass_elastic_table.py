@@ -154,10 +154,10 @@ class MassElasticTable(SavedResult):
     >>> import torsionnet as tn
     >>> elements = [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="c", inertia=8),
     ...     tn.Spring("shaft", nodes=("a", "b"), stiffness=1e4), tn.Gear("gear", nodes=("b", "c"), ratio=2)]
-    >>> found = tn.Drivetrain("fan", elements).mass_elastic_table(referred_to="a")
-    >>> [(one.number, one.node, one.referred_inertia) for one in found.rows]
+    >>> sheet = tn.Drivetrain("fan", elements).mass_elastic_table(referred_to="a")
+    >>> [(mass.number, mass.node, mass.referred_inertia) for mass in sheet.rows]
     [(1, 'a', 2.0), (2, 'b', 0.0), (3, 'c', 2.0)]
-    >>> found.total_inertia, found.lines[0].flexibility
+    >>> sheet.total_inertia, sheet.lines[0].flexibility
     (4.0, 0.0001)
     """
 
@@ -229,7 +229,7 @@ class MassElasticTable(SavedResult):
         shafts = [row.shaft for row in self.rows if row.shaft is not None and row.shaft.segments > 1]
         if shafts:
             template = "{shaft} divided into {count}"
-            each = joined(", ", (phrase(template, shaft=one.elements[0], count=one.segments) for one in shafts))
+            each = joined(", ", (phrase(template, shaft=shaft.elements[0], count=shaft.segments) for shaft in shafts))
             yield phrase("whole shafts, each end with half of its inertia; in the calculation {shafts}", shafts=each)
 
 

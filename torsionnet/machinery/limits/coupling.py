@@ -189,8 +189,8 @@ class CouplingLimit(ElementLimit):
 
     def mean_sensors(self, subject: LimitSubject) -> list[Sensor]:
         del subject
-        found = [self.torque] if self.T_KN is not None or self.T_Kmax is not None else []
-        return found + ([self.twisting] if self.twist is not None else [])
+        sensors = [self.torque] if self.T_KN is not None or self.T_Kmax is not None else []
+        return sensors + ([self.twisting] if self.twist is not None else [])
 
     def power_elements(self) -> list[str]:
         return [self.element] if self.P_KV is not None or self.given_off is not None else []

@@ -32,15 +32,15 @@ def crankshaft_throws(subject: LimitSubject, element: str) -> list[str]:
 
     Empty for an element of no crankshaft. It may itself lie between the last cylinder and the flywheel.
     """
-    ports = {name: set(one.ports.values()) for name, one in subject.active.items()}
+    ports = {name: set(element.ports.values()) for name, element in subject.active.items()}
     throws = {name: nodes for name, nodes in ports.items() if len(nodes) == 2 and nodes <= subject.cranks}
     reached = ports.get(element, set()) & subject.cranks
-    found = {element} if reached else set[str]()
+    crankshaft = {element} if reached else set[str]()
     # From throw to throw along the shaft: another engine's crankshaft is not reached.
-    while more := [name for name, nodes in throws.items() if name not in found and nodes & reached]:
-        found.update(more)
+    while more := [name for name, nodes in throws.items() if name not in crankshaft and nodes & reached]:
+        crankshaft.update(more)
         reached |= set().union(*(throws[name] for name in more))
-    return [name for name in ports if name in found]
+    return [name for name in ports if name in crankshaft]
 
 
 # Allowed values of a limit, one for all speeds or tables over speed or speed ratio.
@@ -72,7 +72,7 @@ class AllowedTable(Plural[Pairs]):
             return raw, []
         if not isinstance(raw, Mapping) or len(raw) < 2:
             return (), [Fault(f"expected two points or more, {self.example}; {got(raw)}", kind="wrong-form")]
-        found: dict[float, Number] = {}
+        points: dict[float, Number] = {}
         faults: list[Fault] = []
         for key, value in raw.items():
             try:
@@ -80,12 +80,12 @@ class AllowedTable(Plural[Pairs]):
             except EntryError as error:
                 faults.append(replace(error.fault, path=(key,), on_key=True))
                 continue
-            if at in found:
+            if at in points:
                 faults.append(Fault(f"{key} stands twice", (key,), on_key=True, kind="repeated-name"))
             allowed, wrong = ALLOWED.read(value)
             faults += [fault.under(key) for fault in wrong]
-            found[at] = cast("Number", allowed)
-        return (() if faults else tuple(sorted(found.items(), key=lambda pair: pair[0]))), faults
+            points[at] = cast("Number", allowed)
+        return (() if faults else tuple(sorted(points.items(), key=lambda pair: pair[0]))), faults
 
     def coerce(self, raw: object) -> Pairs:
         pairs, faults = self.read(raw)
@@ -199,8 +199,8 @@ class CurveLimit(InSpeedBand):
 
     def sensor(self, subject: LimitSubject) -> Sensor | None:
         """Sensor whose values the curve limits: an output, or the angle of a node; None where there is none."""
-        found = named_sensor(self.output, subject.sensors)
-        return found or (Sensor("angle", self.output) if name_fault(self.output) is None else None)
+        sensor = named_sensor(self.output, subject.sensors)
+        return sensor or (Sensor("angle", self.output) if name_fault(self.output) is None else None)
 
     def unfit(self, subject: LimitSubject) -> Iterator[Fault]:
         yield from super().unfit(subject)
@@ -296,7 +296,7 @@ class CurveLimit(InSpeedBand):
         orders = evidence.orders(sensors)
         values = evidence.size(sensors)
         if self.measure != "half_range":
-            values = np.max([self._largest(one, evidence) for one in sensors], axis=0)
+            values = np.max([self._largest(sensor, evidence) for sensor in sensors], axis=0)
         allowed = self._allowed(evidence)
         quantity = "half range" if self.measure == "half_range" else "largest amplitude of an order"
         unit = UNITS[sensor.quantity]

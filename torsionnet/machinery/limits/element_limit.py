@@ -61,17 +61,17 @@ class ElementLimit(InSpeedBand):
             return self
         faults: list[Fault] = []
         defaults = self.defaults()
-        found: dict[str, Any] = {}
+        entries: dict[str, Any] = {}
         closed = {"element", "source", *self._stated_otherwise()}
         for name, spec in self.specs():
             cell = row.cell(name)
             if cell is not None and name not in closed and getattr(self, name) == defaults[name]:
-                found[name] = cell_value(cell, spec, faults)
+                entries[name] = cell_value(cell, spec, faults)
         if faults:
             raise ModelError(faults, row.file)
-        if found and self.source == defaults["source"]:
-            found["source"] = f"catalogue {row}"
-        return replace(self, **found)
+        if entries and self.source == defaults["source"]:
+            entries["source"] = f"catalogue {row}"
+        return replace(self, **entries)
 
     def _stated_otherwise(self) -> set[str]:
         """Names of entries that would repeat in another way what given entries of the limit say."""
@@ -90,11 +90,11 @@ class ElementLimit(InSpeedBand):
 
         No speed may exceed its limit.
         """
-        found = evidence.mean(mean)
-        if found is None:
+        mean_values = evidence.mean(mean)
+        if mean_values is None:
             return line_without_data(line.criterion, f"the mean value is not known: {evidence.why_no_mean}")
         # |T_mean| + half range bounds |T| whatever the sense of the mean torque.
-        return replace(line, values=np.abs(found) + line.values, in_passing=True)
+        return replace(line, values=np.abs(mean_values) + line.values, in_passing=True)
 
 
 def constant_over_speed(value: float, evidence: Evidence) -> Any:

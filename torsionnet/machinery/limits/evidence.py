@@ -127,7 +127,7 @@ class Evidence:
 
     def orders(self, sensors: Sequence[Sensor]) -> OrderAmplitudes:
         """Amplitudes of every order in SI units, those of the sensor with the largest half range at each speed."""
-        return OrderAmplitudes.of(self.run, [self._place(one) for one in sensors])
+        return OrderAmplitudes.of(self.run, [self._place(sensor) for sensor in sensors])
 
     def summed_orders(self, sensor: Sensor) -> FloatArray:
         """Amplitudes of a sensor by frequency in SI units, shape (n_speeds, n_frequencies).
@@ -141,17 +141,19 @@ class Evidence:
 
         The largest of all cases at each speed.
         """
-        place, found, values = self._place(sensor), [], []
+        place, half_ranges, values = self._place(sensor), [], []
         for case in self._cases:
             values.append(case.values[:, :, place] * weights)
             # Weights belong to lines before they are added: each case is summed over its cycle anew.
-            one = OrderResponse(case.speeds, case.reference, case.lines, values[-1][:, :, None], (case.outputs[place],))
-            found.append(one.half_range[:, 0])
-        worst, speeds = np.argmax(found, axis=0), np.arange(len(self.speeds))
+            weighted = OrderResponse(
+                case.speeds, case.reference, case.lines, values[-1][:, :, None], (case.outputs[place],)
+            )
+            half_ranges.append(weighted.half_range[:, 0])
+        worst, speeds = np.argmax(half_ranges, axis=0), np.arange(len(self.speeds))
         plain = self.orders([sensor]).times(weights)
         # The first of the responses is the worst combination, which has cases of its own at each speed.
         cases = np.where(worst == 0, plain.cases, worst - 1)
-        return np.max(found, axis=0), OrderAmplitudes(plain.largest, np.array(values)[worst, speeds], cases)
+        return np.max(half_ranges, axis=0), OrderAmplitudes(plain.largest, np.array(values)[worst, speeds], cases)
 
     @property
     def _cases(self) -> tuple[OrderResponse, ...]:

@@ -134,7 +134,9 @@ class IacsM68(ClassRuleShaft):
         nodes = set(subject.elements[self.element].ports.values())
         if len(nodes) > 1 and nodes <= subject.cranks:
             return phrase(NOT_FOR_CRANKSHAFTS, name=self.element)
-        meshing = {node for one in subject.elements.values() if one.kind in GEARING for node in one.ports.values()}
+        meshing = {
+            node for element in subject.elements.values() if element.kind in GEARING for node in element.ports.values()
+        }
         return phrase(NOT_FOR_GEARS, name=self.element) if len(nodes) > 1 and nodes <= meshing else ""
 
     def _unexamined(self, subject: LimitSubject) -> Iterator[Fault]:
@@ -251,16 +253,16 @@ class IacsM68(ClassRuleShaft):
         if evidence.subject.misfiring and self.safe_speed is None:
             remarks.append("a cylinder misfires: ranges must leave safe navigation possible; give safe_speed")
         lost = [span for span in barred if self.safe_speed is not None and span.holds(self.safe_speed)]
-        found = super().with_barred(line, name, evidence, barred, kept, remarks)
-        above = self.safe_speed is not None and found.highest is not None and self.safe_speed > found.highest
+        verdict = super().with_barred(line, name, evidence, barred, kept, remarks)
+        above = self.safe_speed is not None and verdict.highest is not None and self.safe_speed > verdict.highest
         if above:
-            said = f"safe_speed is above the highest speed permitted: {restriction_words((), found.highest)}"
+            said = f"safe_speed is above the highest speed permitted: {restriction_words((), verdict.highest)}"
         elif evidence.subject.misfiring and lost:
             said = f"safe_speed lies in a range to be barred: {lost[0]}"
         else:
-            return found
+            return verdict
         # The ranges may be passed all the same: what decides is the speed that does not stay free.
-        return replace(found, verdict=FAIL, remarks=(said, *found.remarks), not_free=self.safe_speed)
+        return replace(verdict, verdict=FAIL, remarks=(said, *verdict.remarks), not_free=self.safe_speed)
 
     def on_barred(self) -> Iterator[str]:
         if self.feature.endswith("keyway"):

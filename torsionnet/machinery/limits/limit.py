@@ -146,8 +146,8 @@ class Limit(Declared):
         Heat takes longer than a start, and is not among them.
         """
         known = self.known_lines(evidence)
-        lasting = [one for one in known if one.why_not or (one.vibratory and one.orders is not None)]
-        return [one for one in known if one.in_passing] or lasting
+        lasting = [line for line in known if line.why_not or (line.vibratory and line.orders is not None)]
+        return [line for line in known if line.in_passing] or lasting
 
     def passing_sensors(self, criterion: str, subject: LimitSubject) -> tuple[list[Sensor], float] | None:
         """Sensors of which the largest half range is in the value of a criterion, and the factor from SI to its value.
@@ -163,15 +163,15 @@ class Limit(Declared):
         """
         if line.why_not:
             return replace(self.open(name, evidence, line.criterion, line.why_not), absent=line.absent)
-        found = self.peak(line, name, evidence)
-        if line.in_passing or found.verdict == PASS:
-            return found
-        return replace(found, verdict=OPEN, remarks=(*found.remarks, NO_LIMIT_IN_PASSING))
+        verdict = self.peak(line, name, evidence)
+        if line.in_passing or verdict.verdict == PASS:
+            return verdict
+        return replace(verdict, verdict=OPEN, remarks=(*verdict.remarks, NO_LIMIT_IN_PASSING))
 
     def verdicts(self, name: str, evidence: Evidence, lines: Sequence[LimitLine] | None = None) -> list[LimitVerdict]:
         """Verdicts of the limit on a condition, from its lines if they are given."""
         known = self.known_lines(evidence) if lines is None else lines
-        return [one for line in known for one in self.judged(line, name, evidence)]
+        return [verdict for line in known for verdict in self.judged(line, name, evidence)]
 
     def judged(self, line: LimitLine, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
         """Verdicts of the limit on one line over speed; none where the rule does not apply to the line."""

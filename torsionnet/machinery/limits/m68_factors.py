@@ -100,8 +100,8 @@ def permissible(strength: float, factors: float, ratio: FloatArray) -> FloatArra
     """
     # tau_C = C_W C_K C_D (3 - 2 lambda^2) below lambda = 0.9, 1.38 C_W C_K C_D from there to 1.05.
     bracket = np.where(ratio < CONSTANT_ABOVE, 3 - 2 * ratio**2, 1.38)
-    found = material_factor(strength) * factors * bracket
-    return np.asarray(np.where(ratio <= HIGHEST_RATIO * (1 + 1e-12), found, np.nan))
+    stress = material_factor(strength) * factors * bracket
+    return np.asarray(np.where(ratio <= HIGHEST_RATIO * (1 + 1e-12), stress, np.nan))
 
 
 def usual_range(critical: float, rated: float) -> SpeedSpan:
@@ -187,8 +187,8 @@ def m68_factors(limit: M68Shaft, section: RoundSection) -> tuple[RuleFactor, ...
     >>> from torsionnet.machinery.limits.shaft_limit import RoundSection
     >>> tail = IacsM68(element="tail", shaft="propeller", feature="keyless", material="carbon",
     ...     tensile_strength="560 MPa")
-    >>> found = {str(one.symbol): one for one in m68_factors(tail, RoundSection(0.4))}
-    >>> found["C_W"].value / 1e6, round(found["C_D"].value, 5), found["C_K"].value, found["C_K"].origin
+    >>> factors = {str(factor.symbol): factor for factor in m68_factors(tail, RoundSection(0.4))}
+    >>> factors["C_W"].value / 1e6, round(factors["C_D"].value, 5), factors["C_K"].value, factors["C_K"].origin
     (40.0, 0.63059, 0.55, ('propeller shaft: keyless taper fitting of the propeller',))
     """
     size, feature = size_factor(section.outer), limit.feature_factor

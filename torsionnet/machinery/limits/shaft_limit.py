@@ -124,8 +124,8 @@ class ShaftLimit(InSpeedBand):
 
         None where there are no cases.
         """
-        found = evidence.size_by_case(torques_of(evidence.subject.active[self.element]))
-        return None if found is None else found / self.section(evidence.subject).modulus
+        torque = evidence.size_by_case(torques_of(evidence.subject.active[self.element]))
+        return None if torque is None else torque / self.section(evidence.subject).modulus
 
     def mean_stress_of(self, evidence: Evidence) -> FloatArray | None:
         """Magnitude of the mean shear stress in Pa, shape (n_speeds,), None where it is not known."""
@@ -253,7 +253,7 @@ class FatigueLimit(ShaftLimit):
 
         Zero where it is left out, None where it is needed and not known.
         """
-        found = self.mean_stress_of(evidence)
-        if found is None and self.mean_stress == "none" and self.yield_strength is None:
+        mean = self.mean_stress_of(evidence)
+        if mean is None and self.mean_stress == "none" and self.yield_strength is None:
             return np.zeros(len(evidence.speeds))
-        return found
+        return mean

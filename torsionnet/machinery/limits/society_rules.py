@@ -78,10 +78,12 @@ class Society:
         """
         if not self.words:
             return text
-        said = {one.replace("_", mark): other.replace("_", mark) for mark in "_ " for one, other in self.words.items()}
+        said = {
+            word.replace("_", mark): other.replace("_", mark) for mark in "_ " for word, other in self.words.items()
+        }
         # A name from the model that holds one of the words is longer, and stays.
         known = "|".join(sorted(map(re.escape, said), key=len, reverse=True))
-        return re.sub(rf"(?<![\w-])({known})(?=s?(?![\w-]))", lambda found: said[found[1]], text)
+        return re.sub(rf"(?<![\w-])({known})(?=s?(?![\w-]))", lambda match: said[match[1]], text)
 
 
 SOURCE = (

@@ -83,8 +83,8 @@ class InSpeedBand(Limit):
         return [*super().breaks(subject), *edges]
 
     def known_lines(self, evidence: Evidence) -> list[LimitLine]:
-        found = super().known_lines(evidence)
-        return [self._within_band(line, evidence) for line in found] if self.speed_band else found
+        lines = super().known_lines(evidence)
+        return [self._within_band(line, evidence) for line in lines] if self.speed_band else lines
 
     def _within_band(self, line: LimitLine, evidence: Evidence) -> LimitLine:
         if line.why_not or line.in_passing:

@@ -121,5 +121,5 @@ def dissipated_power(
     flows = {name: power_flows(drivetrain.elements[name], values) for name in names}
     outputs = list(dict.fromkeys(sensor for flow in flows.values() for sensor in power_sensors(flow)))
     run = orders_at_speeds(drivetrain, outputs, speeds=speeds, speed_of=speed_of, excitations=excitation)
-    found = np.stack([mean_power(run, flow) for flow in flows.values()], axis=1)
-    return DissipatedPower(run.speeds, run.reference, tuple(names), found, run.title)
+    power = np.stack([mean_power(run, flow) for flow in flows.values()], axis=1)
+    return DissipatedPower(run.speeds, run.reference, tuple(names), power, run.title)

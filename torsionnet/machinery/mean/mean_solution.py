@@ -176,7 +176,7 @@ def mean_response_of_laws(
 
     At every speed laws of motion are springs that carry their mean torques at their mean twists.
     """
-    found: list[MeanResponse] = []
+    means: list[MeanResponse] = []
     groups = drivetrains_at_speeds(drivetrain, reference, speeds, apart=True)
     for rig, places in groups:
         tangents = rig.definition.tangents
@@ -187,15 +187,15 @@ def mean_response_of_laws(
         torques = {node: np.full(len(places), torque) for node, torque in state.acting.items()}
         mean = _mean_response(plain, outputs, (reference, speeds[places], torques), all_working=True)
         own = [
-            sum(_slip_reading(rig, output.sensor, one) for one in slipping)
+            sum(_slip_reading(rig, output.sensor, slip) for slip in slipping)
             for output in resolve_request(rig, outputs, list(torques)[:1], None).outputs
         ]
         notes = tuple(dict.fromkeys((*mean.notes, *state.notes)))
-        found.append(replace(mean, values=mean.values + np.array(own), title=drivetrain.title, notes=notes))
-    values_found = np.concatenate([one.values for one in found])
-    notes = (*lost_power_notes(drivetrain, float(speeds[-1])), *(note for one in found for note in one.notes))
+        means.append(replace(mean, values=mean.values + np.array(own), title=drivetrain.title, notes=notes))
+    values_found = np.concatenate([part.values for part in means])
+    notes = (*lost_power_notes(drivetrain, float(speeds[-1])), *(note for part in means for note in part.notes))
     notes = tuple(dict.fromkeys(notes))
-    return replace(found[0], speeds=speeds, values=values_found, notes=notes)
+    return replace(means[0], speeds=speeds, values=values_found, notes=notes)
 
 
 def _slip_reading(rig: AssembledModel, sensor: Sensor | None, slipping: SlippingLaw) -> float:
@@ -233,20 +233,20 @@ def _mean_response(
     solved = shared_by_conditions(
         drivetrain,
         tuple,
-        (reference, at.tobytes(), tuple(one.sensor for one in wanted), tuple(nodes)),
+        (reference, at.tobytes(), tuple(output.sensor for output in wanted), tuple(nodes)),
         lambda: tuple(_solved(held, reference, at, wanted, nodes)),
-        lambda found: sum(per_torque.nbytes for per_torque, _ in found),
+        lambda blocks: sum(per_torque.nbytes for per_torque, _ in blocks),
     )
     for per_torque, places in solved:
         torques_there = acting[places, None, :]
         # Superposition: reading = sum_n (reading per N m on node n) T_n, and the sum of magnitudes to judge what
         # cancels.
-        found = (torques_there * per_torque).sum(axis=2)
+        readings = (torques_there * per_torque).sum(axis=2)
         sizes = (np.abs(torques_there) * np.abs(per_torque)).sum(axis=2)
-        found = np.where(np.abs(found) > SUM_ROUNDING * sizes, found, 0.0)
-        values[places], left_over[places] = found[:, : len(wanted)], found[:, len(wanted) :]
-        _require_balance(found[:, len(wanted) :], sizes[:, len(wanted) :])
-    channels = tuple(one.channel for one in wanted)
+        readings = np.where(np.abs(readings) > SUM_ROUNDING * sizes, readings, 0.0)
+        values[places], left_over[places] = readings[:, : len(wanted)], readings[:, len(wanted) :]
+        _require_balance(readings[:, len(wanted) :], sizes[:, len(wanted) :])
+    channels = tuple(output.channel for output in wanted)
     lost = () if all_working else lost_power_notes(drivetrain, float(at[-1]))
     notes = (*_rest(drivetrain, left_over), *lost, *range_notes(drivetrain.assembly, [0.0]))
     return MeanResponse(at, reference, values, channels, drivetrain.title, notes)
@@ -299,8 +299,8 @@ def external_torques(
     if at.ndim != 1 or not len(at) or not np.isfinite(at).all() or (at <= 0).any():
         raise UsageError("speeds are finite numbers above 0, in rad/s", kind="out-of-range")
     every: list[float] = at.tolist()
-    found = [external.at(speed) for speed in every] if all_working else external.in_condition(every)
-    return external.reference, at, {node: np.array([torques[node] for torques in found]) for node in found[0]}
+    by_speed = [external.at(speed) for speed in every] if all_working else external.in_condition(every)
+    return external.reference, at, {node: np.array([torques[node] for torques in by_speed]) for node in by_speed[0]}
 
 
 def _stated(
@@ -325,7 +325,11 @@ def _stated(
     turning = mean_speeds(definition, values)
     if not turning.get(reference):
         reference = next(iter(definition.operating_point.speed), next(iter(torques)))
-    return reference, np.array([turning.get(reference, 0.0)]), {node: np.array([one]) for node, one in torques.items()}
+    return (
+        reference,
+        np.array([turning.get(reference, 0.0)]),
+        {node: np.array([torque]) for node, torque in torques.items()},
+    )
 
 
 def _require_determined(drivetrain: AssembledModel, outputs: Sequence[Functional]) -> None:
@@ -351,7 +355,7 @@ def _held(drivetrain: AssembledModel) -> AssembledModel:
     """Copy of a drivetrain in which one node is clamped for each motion that no spring resists."""
     definition = drivetrain.definition
     holders = _holders(definition.elements, rigid_motions(drivetrain.assembly.kinematics))
-    elements = {**definition.elements, **{one.name: one for one in holders}}
+    elements = {**definition.elements, **{holder.name: holder for holder in holders}}
     return drivetrain.with_definition(replace(definition, elements=elements))
 
 
@@ -360,7 +364,7 @@ def _request(held: AssembledModel, outputs: Sequence[Functional], nodes: Sequenc
 
     It is made once for all speeds asked for, as its plan of elimination takes longer than a solution at rest.
     """
-    sensors = [one.sensor for one in outputs if one.sensor]
+    sensors = [output.sensor for output in outputs if output.sensor]
     sensors += [Sensor("torque", name) for name in _held_in(held)]
 
     def asked() -> TransferRequest:
@@ -373,11 +377,11 @@ def _request(held: AssembledModel, outputs: Sequence[Functional], nodes: Sequenc
 
 
 def _held_in(held: AssembledModel) -> list[str]:
-    return [name for name, one in held.elements.items() if isinstance(one, _Holder)]
+    return [name for name, element in held.elements.items() if isinstance(element, _Holder)]
 
 
 def _refuse_actions(rig: AssembledModel) -> None:
-    refuse_actions([one for one in rig.assembly.system.actions if one.acts_at_rest], "mean torques are")
+    refuse_actions([action for action in rig.assembly.system.actions if action.acts_at_rest], "mean torques are")
 
 
 def _per_torque(kappa: LawStiffness, request: TransferRequest) -> FloatArray:
@@ -388,8 +392,8 @@ def _per_torque(kappa: LawStiffness, request: TransferRequest) -> FloatArray:
     resting = _at_rest(kappa)
     # K q = f at 0 Hz depends on the stiffness alone.
     _, first, which = np.unique(resting.stiffness, axis=0, return_index=True, return_inverse=True)
-    found = transfer_functions(request, resting.variants(first), "graph")
-    return np.asarray(found.values.real[which.ravel()])
+    responses = transfer_functions(request, resting.variants(first), "graph")
+    return np.asarray(responses.values.real[which.ravel()])
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -69,11 +69,11 @@ def _mean_power(run: OrderResponse, flows: Sequence[PowerFlow]) -> FloatArray:
     between them. Of more than two the largest values of all pairs are added.
     """
     engines = [_only(run, block.places) for block in engine_blocks(run.lines)]
-    total = sum(_power_between(one, one, flows).real.sum(axis=1) / 2 for one in engines)
-    for one, other in itertools.combinations(engines, 2):
+    total = sum(_power_between(engine, engine, flows).real.sum(axis=1) / 2 for engine in engines)
+    for engine, other in itertools.combinations(engines, 2):
         # Delaying one engine turns this product and that of the reverse the other way: with one conjugate they are
         # one wave.
-        together = (_power_between(one, other, flows) + _power_between(other, one, flows).conj()) / 2
+        together = (_power_between(engine, other, flows) + _power_between(other, engine, flows).conj()) / 2
         total = total + _largest_over_angle(together, run.lines)
     return np.asarray(total)
 

@@ -100,7 +100,7 @@ class StaticState(SavedResult):
 
     def of(self, element: str) -> ElementLoad:
         """Mean speed, torque, twist and stress (SI) of an element, by its name, at its first port."""
-        return next(one for one in self.loads if one.element == element)
+        return next(load for load in self.loads if load.element == element)
 
     def table(self, conventions: Conventions = SI) -> Table:
         """Table of mean speed, torque, twist, stress and power with a row for each element and port."""
@@ -198,11 +198,11 @@ def static_state(drivetrain: AssembledModel, speed: float | None = None) -> Stat
     reference, at, torques = external_torques(drivetrain, asked)
     ports = [(element, node) for element in drivetrain.elements.values() for node in _ports(element, values)]
     sensors, notes = _readable(drivetrain, ports)
-    found = mean_response(drivetrain, sensors, asked)
-    known = dict(zip(map(str, sensors), found.values[0].tolist(), strict=True))
+    means = mean_response(drivetrain, sensors, asked)
+    known = dict(zip(map(str, sensors), means.values[0].tolist(), strict=True))
     loads = [_load(element, node, known, external.ratios.get(node), float(at[0])) for element, node in ports]
-    acting = {node: float(one[0]) for node, one in torques.items()}
-    said = tuple(dict.fromkeys((*found.notes, *law_notes(drivetrain.definition), *notes)))
+    acting = {node: float(torque[0]) for node, torque in torques.items()}
+    said = tuple(dict.fromkeys((*means.notes, *law_notes(drivetrain.definition), *notes)))
     return StaticState(reference, float(at[0]), acting, tuple(loads), drivetrain.title, said, drivetrain.configuration)
 
 
@@ -271,8 +271,8 @@ def power_balance(drivetrain: AssembledModel, speed: float | None = None) -> Pow
     Examples
     --------
     >>> import torsionnet as tn
-    >>> found = tn.load("bulk_carrier").power_balance()
-    >>> round(found.given / 1e3, 6), round(found.taken / 1e3, 6), round(found.torque / 1e3, 2)  # kW, kN*m
+    >>> balance = tn.load("bulk_carrier").power_balance()
+    >>> round(balance.given / 1e3, 6), round(balance.taken / 1e3, 6), round(balance.torque / 1e3, 2)  # kW, kN*m
     (7000.0, 7000.0, 636.62)
     """
     state = static_state(drivetrain, speed)

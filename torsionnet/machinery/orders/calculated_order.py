@@ -46,8 +46,8 @@ def largest_amplitudes(response: OrderResponse, lines: Sequence[int], output: in
     of several cases the largest one counts.
     """
     if isinstance(response, WorstResponse):
-        parts = [_added(one, lines, output) for one in response.case_responses]
-        parts += [_added(one, lines, output) for one in response.each]
+        parts = [_added(case, lines, output) for case in response.case_responses]
+        parts += [_added(case, lines, output) for case in response.each]
         return np.asarray(np.max([np.abs(response.values[:, lines, output].sum(axis=1)), *parts], axis=0))
     owners = [block for block in engine_blocks(response.lines) if {*block.places} & {*lines}]
     return _added(response, lines, output) if len(owners) > 1 else None
@@ -64,7 +64,7 @@ def bound_note(response: OrderResponse) -> str:
     """Note on why the calculated amplitudes are upper bounds without phases."""
     why = []
     if isinstance(response, WorstResponse):
-        cases, engines = len(response.labels), " and ".join(one.engine for one in response.angles)
+        cases, engines = len(response.labels), " and ".join(angle.engine for angle in response.angles)
         if cases > 1 and engines:
             why.append(
                 phrase("the worst of {count} cases and the worst angle of {engines}", count=cases, engines=engines)
@@ -194,8 +194,8 @@ def _tracked(run: PassageResponse, test: TrackedOrders, edges: FloatArray, cycle
             lambda _: np.ones(len(test.orders)),
             0.0,
         )
-        found = next(iter(block))
-        values[:, :, place], half[:, place] = found.values, found.half_range
+        response = next(iter(block))
+        values[:, :, place], half[:, place] = response.values, response.half_range
     quantities = {unit: quantity for quantity, unit in QUANTITY_UNITS.items()}
     nothing = np.full((len(test.orders), len(test.times)), math.nan)
     return tuple(
@@ -251,8 +251,8 @@ def swept_comparison(
     if not remarks or largest_amplitudes(run, range(len(run.lines)), 0) is not None:
         return SweptComparison(remarks=remarks)
     try:
-        found = swept_orders(drivetrain, outputs, tracked, excitations)
+        swept = swept_orders(drivetrain, outputs, tracked, excitations)
     except UsageError as error:
         return SweptComparison(remarks=(*remarks, phrase("compared with steady peaks: {reason}", reason=error)))
-    by_output = {channel.name: one.measured() for channel, one in zip(run.outputs, found, strict=True)}
+    by_output = {channel.name: orders.measured() for channel, orders in zip(run.outputs, swept, strict=True)}
     return SweptComparison(by_output, remarks)

@@ -63,16 +63,16 @@ def worst_angles(values: ComplexArray, lines: Sequence[OrderLine], grid: BlockGr
     motions = [_Motion.of(values, lines, grid, number, shares) for number in range(len(grid.places))]
     # max over angles of (max - min) = max over tau of sum_b max over a_b of x_b(a_b + tau) - x_b(a_b): every engine
     # may begin its rise where it likes, so that only tau is common.
-    rises = sum(np.tile(one.rises, grid.points // one.rises.shape[2]) for one in motions)
+    rises = sum(np.tile(motion.rises, grid.points // motion.rises.shape[2]) for motion in motions)
     best: _Found | None = None
     for lag in highest_maxima(np.asarray(rises)):
-        found = _followed(motions, lag, 2 * np.pi * float(grid.cycle) / grid.points)
-        best = found if best is None else best.or_if_larger(found)
+        refined = _followed(motions, lag, 2 * np.pi * float(grid.cycle) / grid.points)
+        best = refined if best is None else best.or_if_larger(refined)
     assert best is not None
     signs: list[NDArray[np.int8]] = [np.zeros(0, dtype=np.int8)] * len(shares)
-    for one, own in zip(motions, best.signs, strict=True):
+    for motion, own in zip(motions, best.signs, strict=True):
         first = 0
-        for place in one.of_shares:
+        for place in motion.of_shares:
             count = len(shares[place][1])
             signs[place] = own[:, :, first : first + count]
             first += count
@@ -127,10 +127,10 @@ class _Motion:
         period = self.wave.shape[2]
         later = (np.arange(period) + lag[..., None]) % period
         # Each share takes the sign that adds to this rise: its part is |change|.
-        changes = [np.take_along_axis(one, later, axis=2) - one for one in self.waves]
+        changes = [np.take_along_axis(wave, later, axis=2) - wave for wave in self.waves]
         rise = np.take_along_axis(self.wave, later, axis=2) - self.wave + sum(map(np.abs, changes))
         start = _first_of_largest(rise)
-        signs = [np.take_along_axis(one, start[..., None], axis=2)[..., 0] >= 0 for one in changes]
+        signs = [np.take_along_axis(change, start[..., None], axis=2)[..., 0] >= 0 for change in changes]
         up = np.array(signs, dtype=np.int8).reshape(-1, *start.shape)
         return start, np.moveaxis(2 * up - 1, 0, -1)
 
@@ -158,16 +158,16 @@ class _Found:
 def _rises(wave: FloatArray, waves: FloatArray) -> FloatArray:
     """Largest rise of a periodic wave, in its unit, over each number of grid steps, shape (n_speeds, n_out, period)."""
     period = wave.shape[2]
-    found = np.empty_like(wave)
+    rises = np.empty_like(wave)
     # Two periods in a row, so that a lag is a slice of them.
     twice = np.concatenate([wave, wave], axis=2)
     others = np.concatenate([waves, waves], axis=3)
     for lag in range(period):
         rise = twice[:, :, lag : lag + period] - wave
-        for one, doubled in zip(waves, others, strict=True):
-            rise += np.abs(doubled[:, :, lag : lag + period] - one)
-        found[:, :, lag] = rise.max(axis=2)
-    return found
+        for own, doubled in zip(waves, others, strict=True):
+            rise += np.abs(doubled[:, :, lag : lag + period] - own)
+        rises[:, :, lag] = rise.max(axis=2)
+    return rises
 
 
 def highest_maxima(rises: FloatArray) -> list[IntArray]:
@@ -188,9 +188,9 @@ def _first_of_largest(values: FloatArray) -> IntArray:
 
 def _followed(motions: Sequence[_Motion], lag: IntArray, step: float) -> _Found:
     """Largest range (max - min) of the sum of orders (SI) after Newton's method, with start angles (rad) and signs."""
-    found = [one.at(lag) for one in motions]
-    amplitudes = [one.with_signs(signs) for one, (_, signs) in zip(motions, found, strict=True)]
-    starts: list[FloatArray] = [np.asarray(step * start) for start, _ in found]
+    rising = [motion.at(lag) for motion in motions]
+    amplitudes = [motion.with_signs(signs) for motion, (_, signs) in zip(motions, rising, strict=True)]
+    starts: list[FloatArray] = [np.asarray(step * start) for start, _ in rising]
     tau: FloatArray = step * lag.astype(float)
     ends = _ends(motions, amplitudes, starts, tau)
     best, top = [*starts], _range(ends)
@@ -202,7 +202,7 @@ def _followed(motions: Sequence[_Motion], lag: IntArray, step: float) -> _Found:
         better = size > top * (1 + EQUAL_SHARE)
         best = [np.where(better, new, old) for new, old in zip(starts, best, strict=True)]
         top = np.maximum(size, top)
-    return _Found(top, tuple(best), tuple(signs for _, signs in found))
+    return _Found(top, tuple(best), tuple(signs for _, signs in rising))
 
 
 Sum: TypeAlias = tuple[FloatArray, FloatArray, FloatArray]
@@ -214,8 +214,8 @@ def _ends(
 ) -> list[tuple[Sum, Sum]]:
     """Sums of orders at the highest and at the lowest instant, by engine."""
     return [
-        (_summed(one.rates, own, start + tau), _summed(one.rates, own, start))
-        for one, own, start in zip(motions, amplitudes, starts, strict=True)
+        (_summed(motion.rates, own, start + tau), _summed(motion.rates, own, start))
+        for motion, own, start in zip(motions, amplitudes, starts, strict=True)
     ]
 
 
@@ -308,7 +308,7 @@ class EngineAngle:
 
     def joined(self, others: Sequence[EngineAngle], order: NDArray[np.intp]) -> EngineAngle:
         """Engine angle in rad at all speeds, joined from parts at some speeds and sorted by the indices ``order``."""
-        angles, periods = ([getattr(one, name) for one in (self, *others)] for name in ("angle", "period"))
+        angles, periods = ([getattr(angle, name) for angle in (self, *others)] for name in ("angle", "period"))
         return replace(self, angle=np.concatenate(angles)[order], period=np.concatenate(periods)[order])
 
 
@@ -343,12 +343,12 @@ def at_worst_angles(values: ComplexArray, lines: Sequence[OrderLine], shares: Sh
             continue
         for start in range(0, len(values), SPEEDS_PER_SEARCH):
             part = slice(start, start + SPEEDS_PER_SEARCH)
-            found = worst_angles(
+            worst = worst_angles(
                 values[part], lines, grid, [(shares[at][0], shares[at][1][:, part]) for at in searched]
             )
-            for at, own in zip(searched, found.signs, strict=True):
+            for at, own in zip(searched, worst.signs, strict=True):
                 signs[at][part] = own
-            for block, delay in zip(blocks[1:], found.delays[1:], strict=True):
+            for block, delay in zip(blocks[1:], worst.delays[1:], strict=True):
                 delays.setdefault(block, np.zeros((len(values), values.shape[2])))[part] = delay
     together = values.copy()
     for (own_lines, contributions), own in zip(shares, signs, strict=True):
@@ -403,14 +403,14 @@ def with_engines_delayed(
     values: ComplexArray, lines: Sequence[OrderLine], angles: Sequence[EngineAngle], sense: float = 1.0
 ) -> ComplexArray:
     """Order amplitudes (n_speeds, n_lines, n_out), SI, engines delayed by angles (rad) or advanced (``sense=-1``)."""
-    found = values.copy()
-    known = {one.engine: one.angle for one in angles}
+    delayed = values.copy()
+    known = {angle.engine: angle.angle for angle in angles}
     for block in engine_blocks(lines):
         if block.engine in known:
             rates = np.array([float(lines[at].relative) for at in block.places]) / _ratio(lines, block)
             # T(phi - alpha): a delay by the crank angle alpha turns order h of the engine by -h alpha.
-            found[:, block.places] *= np.exp(-1j * sense * rates[:, None] * known[block.engine][:, None, :])
-    return found
+            delayed[:, block.places] *= np.exp(-1j * sense * rates[:, None] * known[block.engine][:, None, :])
+    return delayed
 
 
 def engines_as_one(lines: Sequence[OrderLine]) -> tuple[OrderLine, ...]:

@@ -110,7 +110,9 @@ def _at_own_tangents(
     drivetrain: Model, values: Sequence[Mapping[str, float]], speeds: FloatArray, *, apart: bool
 ) -> Iterator[tuple[Model, SpeedIndices]]:
     """Yield drivetrains with the tangents of their laws of motion at each speed in rad/s of the load's node."""
-    rigs = [drivetrain.with_operating_values(one, speed) for one, speed in zip(values, speeds.tolist(), strict=True)]
+    rigs = [
+        drivetrain.with_operating_values(point, speed) for point, speed in zip(values, speeds.tolist(), strict=True)
+    ]
 
     def key(place: int) -> tuple[object, ...]:
         tangents = rigs[place].definition.tangents
@@ -135,8 +137,8 @@ def values_at_speeds(
     """Values in SI units by parameter, one mapping per speed, of the parameters that follow the operating point."""
     points = OperatingPoints(drivetrain.external_torques)
     values = [points.at(speed) for speed in (speeds * own_ratio(drivetrain, reference)).tolist()]
-    for name, found in settled.items():
-        for place, value in enumerate(found.tolist()):
+    for name, column in settled.items():
+        for place, value in enumerate(column.tolist()):
             values[place][name] = value
     return values
 
@@ -157,7 +159,7 @@ def batch_over_speeds(
     if plan is None:
         return None
     values = values_at_speeds(drivetrain, reference, speeds, settled)
-    batch = plan.batch({name: [one[name] for one in values] for name in following})
+    batch = plan.batch({name: [operating[name] for operating in values] for name in following})
     # A speed at which rows or sizes of the system differ, or nothing can be solved, needs drivetrains of its own.
     return None if (batch.impossible | batch.separate).any() else batch
 
@@ -221,21 +223,21 @@ def values_by_vibration(
     UsageError
         A speed does not settle, or settles beyond the table.
     """
-    tables = {name: one for name, one in definition.following.items() if one.by == VIBRATORY_TORQUE}
+    tables = {name: law for name, law in definition.following.items() if law.by == VIBRATORY_TORQUE}
     if not tables:
         return {}
-    elements = list(dict.fromkeys(one.of for one in tables.values()))
-    columns = [elements.index(one.of) for one in tables.values()]
-    values = np.array([np.full(len(speeds), float(one.table[0][1].value)) for one in tables.values()])
+    elements = list(dict.fromkeys(law.of for law in tables.values()))
+    columns = [elements.index(law.of) for law in tables.values()]
+    values = np.array([np.full(len(speeds), float(law.table[0][1].value)) for law in tables.values()])
     length, before = np.ones(len(speeds)), np.full(len(speeds), np.inf)
     for _ in range(MOST_ITERATIONS):
         # Fixed point v = f(|T|(v)): the values make a vibration, its half range gives the next values.
         sizes = vibration(elements, dict(zip(tables, values, strict=True)))[:, columns].T
-        wanted = np.array([_clamped(one.table, size) for one, size in zip(tables.values(), sizes, strict=True)])
+        wanted = np.array([_clamped(law.table, size) for law, size in zip(tables.values(), sizes, strict=True)])
         moved = (np.abs(wanted - values) / np.abs(wanted).max(axis=1, keepdims=True)).max(axis=0)
         if (moved <= VALUE_TOLERANCE).all():
-            for (name, one), size in zip(tables.items(), sizes, strict=True):
-                _require_inside(name, one.of, one.table, size, speeds)
+            for (name, law), size in zip(tables.items(), sizes, strict=True):
+                _require_inside(name, law.of, law.table, size, speeds)
             return dict(zip(tables, wanted, strict=True))
         # A speed that swings or hardly converges goes half as far each time, on its own.
         length = np.where(moved > SLOW_CONVERGENCE * before, length / 2, length)
@@ -321,9 +323,11 @@ def damping_shares(
     if math.isfinite(speed):
         # Shares are those with the parameters at the critical speed, as its mode has them.
         ((rig, _),) = drivetrains_at_speeds(drivetrain, node, np.array([speed]))
-    found = modes(rig)
-    vibrating = [index for index, kind in enumerate(found.kinds) if kind == OSCILLATORY]
+    damped = modes(rig)
+    vibrating = [index for index, kind in enumerate(damped.kinds) if kind == OSCILLATORY]
     # Modes may change their order over speed: the frequency at the critical speed tells which it is.
-    place = min(vibrating, key=lambda index: abs(found.natural_frequencies[index] - mode.natural_frequency))
-    shares = zip(found.elements, found.dissipated[:, place].tolist(), strict=True)
-    return dict(sorted(((name, one) for name, one in shares if abs(one) > SMALLEST_SHARE), key=lambda pair: -pair[1]))
+    place = min(vibrating, key=lambda index: abs(damped.natural_frequencies[index] - mode.natural_frequency))
+    shares = zip(damped.elements, damped.dissipated[:, place].tolist(), strict=True)
+    return dict(
+        sorted(((name, share) for name, share in shares if abs(share) > SMALLEST_SHARE), key=lambda pair: -pair[1])
+    )

@@ -53,9 +53,9 @@ class OrderAmplitudes:
     def joined(cls, parts: Sequence[OrderAmplitudes], order: NDArray[np.intp]) -> OrderAmplitudes:
         """Amplitudes at the speeds of several parts; ``order`` sorts their concatenated speeds."""
         return cls(
-            np.concatenate([one.largest for one in parts])[order],
-            np.concatenate([one.phasors for one in parts])[order],
-            np.concatenate([one.cases for one in parts])[order],
+            np.concatenate([part.largest for part in parts])[order],
+            np.concatenate([part.phasors for part in parts])[order],
+            np.concatenate([part.cases for part in parts])[order],
         )
 
 
@@ -83,7 +83,7 @@ def summed_orders(run: OrderResponse) -> tuple[SummedOrder, ...]:
     >>> import torsionnet as tn
     >>> ship = tn.load("bulk_carrier").configured("normal")
     >>> run = ship.order_response("torque(tail)", speeds=[8])
-    >>> [one.name for one in summed_orders(run) if len(one.places) > 1]
+    >>> [line.name for line in summed_orders(run) if len(line.places) > 1]
     ['engine 4 + screw 4']
     """
     return tuple(

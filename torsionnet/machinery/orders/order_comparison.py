@@ -113,27 +113,27 @@ def order_agreement(pair: OrderPair) -> OrderAgreement:
     >>> speeds = np.linspace(50.0, 100.0, 20)
     >>> model = 100 / (1 - (speeds / 75) ** 2 + 0.1j * speeds / 75)
     >>> test = model * np.exp(1j * np.radians(30)) + 2.0
-    >>> found = order_agreement(OrderPair(6.0, speeds, test, model, True, np.full(20, 4.0), speeds, model))
-    >>> found.verdict, round(float(np.degrees(found.offset)), 1)
+    >>> verdict = order_agreement(OrderPair(6.0, speeds, test, model, True, np.full(20, 4.0), speeds, model))
+    >>> verdict.verdict, round(float(np.degrees(verdict.offset)), 1)
     ('reference offset', 5.0)
     """
     used = pair.with_intervals()
-    found = (_bounded(used) if used.bound else _judged(used)) if used is not None else _without_interval(pair)
+    judgement = (_bounded(used) if used.bound else _judged(used)) if used is not None else _without_interval(pair)
     at_peak, over_speed = _phase_degrees(pair)
     test, model = np.abs(pair.measured), np.abs(pair.calculated)
     # Differences of complex values, so that a wrong phase counts as a wrong amplitude does.
     apart = float(np.mean(np.abs(pair.measured - pair.calculated) ** 2))
     return OrderAgreement(
-        found.verdict,
-        found.sentence if model.any() else CALCULATED_ZERO,
+        judgement.verdict,
+        judgement.sentence if model.any() else CALCULATED_ZERO,
         100 * (float(test.max()) / float(model.max()) - 1) if model.any() else math.nan,
         100 * math.sqrt(apart / float(np.mean(model**2))) if model.any() else math.nan,
         at_peak,
         over_speed,
         None if used is None else float(np.sqrt(np.mean(used.in_intervals**2))),
-        found.offset,
-        found.delay,
-        found.factor,
+        judgement.offset,
+        judgement.delay,
+        judgement.factor,
     )
 
 
@@ -204,7 +204,7 @@ def _judged(pair: OrderPair) -> DifferenceExplanation:
     # Weights of least squares: inverse variances.
     weights = 1 / widths**2
     sizes = consistent(amplitude_scores(np.abs(pair.measured), np.abs(pair.calculated), widths))
-    holding = {one.verdict: one for one in explanations(pair, weights) if holds(one, pair)}
+    holding = {cause.verdict: cause for cause in explanations(pair, weights) if holds(cause, pair)}
     # h alpha and -h Omega tau differ only by the change of speed: a narrow range cannot tell them apart.
     if OFFSET in holding and DELAY in holding and WRONG_SIGN not in holding:
         offset, delay = holding[OFFSET], holding[DELAY]
@@ -302,24 +302,24 @@ def compared_orders(
     UsageError
         There is no such output, or no measured order was calculated.
     """
-    place, found = response.output(output), []
+    place, compared = response.output(output), []
     rising = np.argsort(response.speeds)
     speeds = response.speeds[rising]
-    for one in measured:
+    for order in measured:
         lines = [
             number
             for number, line in enumerate(response.lines)
-            if not line.fixed and math.isclose(float(line.relative), one.order, rel_tol=SAME_ORDER_DIFFERENCE)
+            if not line.fixed and math.isclose(float(line.relative), order.order, rel_tol=SAME_ORDER_DIFFERENCE)
         ]
-        inside = (one.speeds >= speeds[0] * (1 - 1e-9)) & (one.speeds <= speeds[-1] * (1 + 1e-9))
+        inside = (order.speeds >= speeds[0] * (1 - 1e-9)) & (order.speeds <= speeds[-1] * (1 + 1e-9))
         if not lines or not inside.any():
             continue
         kept = MeasuredOrder(
-            one.order,
-            one.speeds[inside],
-            one.amplitude[inside],
-            None if one.values is None else one.values[inside],
-            None if one.half_widths is None else one.half_widths[inside],
+            order.order,
+            order.speeds[inside],
+            order.amplitude[inside],
+            None if order.values is None else order.values[inside],
+            None if order.half_widths is None else order.half_widths[inside],
         )
         bound = largest_amplitudes(response, lines, place)
         if bound is None:
@@ -333,14 +333,14 @@ def compared_orders(
         if cancelled:
             values, at = np.zeros_like(values), np.zeros_like(at)
         phased = kept.values if bound is None else None
-        run = next((one for one in swept if math.isclose(one.order, kept.order, rel_tol=SAME_ORDER_DIFFERENCE)), None)
+        run = next((o for o in swept if math.isclose(o.order, kept.order, rel_tol=SAME_ORDER_DIFFERENCE)), None)
         if run is not None and run.values is not None and bound is None and not cancelled:
             at = np.interp(kept.speeds, run.speeds, run.values)
             curve_speeds, curve = run.speeds, run.values
         else:
             run, curve_speeds, curve = None, speeds, values[rising]
         pair = OrderPair(
-            one.order,
+            order.order,
             kept.speeds,
             kept.amplitude.astype(complex) if phased is None else phased,
             np.abs(at).astype(complex) if phased is None else at,
@@ -351,12 +351,12 @@ def compared_orders(
             bound is not None,
             run is not None,
         )
-        found.append(ComparedOrder(kept, np.abs(at), np.abs(values), pair, order_agreement(pair)))
-    if not found:
-        orders = ", ".join(f"{one.order:g}" for one in measured)
+        compared.append(ComparedOrder(kept, np.abs(at), np.abs(values), pair, order_agreement(pair)))
+    if not compared:
+        orders = ", ".join(f"{order.order:g}" for order in measured)
         text = f"none of the measured orders of {response.reference} ({orders}) was calculated at its speeds"
         raise UsageError(f"{text}; there are {', '.join(map(str, response.lines))}", kind="unknown-order")
-    return tuple(found)
+    return tuple(compared)
 
 
 def order_comparison(
@@ -446,5 +446,5 @@ def meaning_notes(response: OrderResponse, pairs: Sequence[ComparedOrder]) -> tu
 
 def not_compared(measured: Sequence[MeasuredOrder], pairs: Sequence[ComparedOrder]) -> tuple[str, ...]:
     """Note that names the measured orders that were not calculated; nothing if all were."""
-    left_out = [f"{one.order:g}" for one in measured if all(one.order != pair.measured.order for pair in pairs)]
+    left_out = [f"{order.order:g}" for order in measured if all(order.order != pair.measured.order for pair in pairs)]
     return (phrase("measured, but not calculated: {orders}", orders=", ".join(left_out)),) if left_out else ()

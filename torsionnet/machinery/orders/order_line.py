@@ -106,7 +106,7 @@ def engine_blocks(lines: Sequence[OrderLine]) -> list[EngineBlock]:
     """
     engines = list(dict.fromkeys(line.engine for line in lines if line.engine)) or [""]
     homes = [line.engine or engines[0] for line in lines]
-    return [EngineBlock(one, tuple(at for at, home in enumerate(homes) if home == one)) for one in engines]
+    return [EngineBlock(engine, tuple(at for at, home in enumerate(homes) if home == engine)) for engine in engines]
 
 
 def blocks_by_speed(lines: Sequence[OrderLine]) -> list[list[EngineBlock]]:
@@ -114,15 +114,15 @@ def blocks_by_speed(lines: Sequence[OrderLine]) -> list[list[EngineBlock]]:
 
     Within a group an angle changes the sum.
     """
-    found: list[tuple[set[Fraction], list[EngineBlock]]] = []
+    groups: list[tuple[set[Fraction], list[EngineBlock]]] = []
     for block in engine_blocks(lines):
         ratios = {lines[place].ratio for place in block.places if lines[place].engine == block.engine}
-        home = next((blocks for others, blocks in found if others & ratios), None)
+        home = next((blocks for others, blocks in groups if others & ratios), None)
         if home is None:
-            found.append((ratios, [block]))
+            groups.append((ratios, [block]))
         else:
             home.append(block)
-    return [blocks for _, blocks in found]
+    return [blocks for _, blocks in groups]
 
 
 def has_unknown_angles(lines: Sequence[OrderLine]) -> bool:
@@ -158,9 +158,9 @@ class BlockGrid:
         Where that takes too many points, lines that do not repeat within two revolutions are left out.
         """
         moving = [tuple(at for at in block.places if not lines[at].fixed and lines[at].order) for block in blocks]
-        found = cls._through(lines, moving)
-        if found.points <= MOST_GRID_POINTS:
-            return found
+        grid = cls._through(lines, moving)
+        if grid.points <= MOST_GRID_POINTS:
+            return grid
         # Half orders repeat after two revolutions of the slowest engine: lines that do too keep the grid short.
         half = min(lines[at].ratio for at in moving[-1]) / 2
         own = [tuple(at for at in places if (lines[at].relative / half).denominator == 1) for places in moving]
@@ -171,7 +171,7 @@ class BlockGrid:
         # Lines of relative orders r repeat together after 1/gcd(r) revolutions.
         slowest = [greatest_common_divisor(lines[at].relative for at in places) for places in moving]
         whole = greatest_common_divisor(slowest)
-        repeats = [max(1, int(one / whole)) for one in slowest]
+        repeats = [max(1, int(relative / whole)) for relative in slowest]
         step = math.lcm(*repeats)
         highest = max(lines[at].relative for places in moving for at in places)
         # A multiple of all repeats, so that the period of every block is a whole number of steps.
@@ -181,14 +181,14 @@ class BlockGrid:
 
 def greatest_common_divisor(relatives: Iterable[Fraction]) -> Fraction:
     """Greatest common divisor of fractions; 0 if there are none."""
-    found = Fraction(0)
-    for one in relatives:
-        a, b = found, one
+    divisor = Fraction(0)
+    for relative in relatives:
+        a, b = divisor, relative
         # gcd(a/b, c/d) = gcd(a d, c b)/(b d).
-        found = Fraction(
+        divisor = Fraction(
             math.gcd(a.numerator * b.denominator, b.numerator * a.denominator), a.denominator * b.denominator
         )
-    return found
+    return divisor
 
 
 # Sums of order lines of one frequency, such as order 4 of engine and propeller on a shaft, as a test measures them.
@@ -223,10 +223,10 @@ def lines_of_one_frequency(lines: Sequence[OrderLine]) -> list[list[int]]:
     >>> lines_of_one_frequency([*engine, OrderLine("propeller", 4.0, Fraction(1))])
     [[0], [1, 2]]
     """
-    found: dict[object, list[int]] = {}
+    groups: dict[object, list[int]] = {}
     for place, line in enumerate(lines):
-        found.setdefault((line.relative, line.fixed), []).append(place)
-    return list(found.values())
+        groups.setdefault((line.relative, line.fixed), []).append(place)
+    return list(groups.values())
 
 
 @dataclass(frozen=True)
@@ -261,10 +261,10 @@ def sums_of_lines(lines: Sequence[OrderLine]) -> tuple[LineSum, ...]:
     >>> sums_of_lines([*engine, OrderLine("propeller", 2.0, Fraction(2))])
     (LineSum(name='engine 4 + propeller 2', order=4.0, fixed=0.0, places=(1, 2)),)
     """
-    found = [places for places in lines_of_one_frequency(lines) if len(places) > 1]
+    sums = [places for places in lines_of_one_frequency(lines) if len(places) > 1]
     return tuple(
-        LineSum(sum_name([lines[one] for one in places]), float(first.relative), first.fixed, tuple(places))
-        for places, first in ((places, lines[places[0]]) for places in found)
+        LineSum(sum_name([lines[place] for place in places]), float(first.relative), first.fixed, tuple(places))
+        for places, first in ((places, lines[places[0]]) for places in sums)
     )
 
 
@@ -283,12 +283,12 @@ def summed_sizes(run: LinesWithCases) -> FloatArray:
 
     The largest of several cases.
     """
-    found = []
+    sizes = []
     for places in lines_of_one_frequency(run.lines):
         if len(places) == 1:
-            found.append(run.sizes[:, places[0]])
+            sizes.append(run.sizes[:, places[0]])
         else:
             # The largest sum of a case need not come in the case with the largest parts: phases differ.
             cases = (run.values, *run.case_values)
-            found.append(np.max([np.abs(values[:, places].sum(axis=1)) for values in cases], axis=0))
-    return np.stack(found, axis=1)
+            sizes.append(np.max([np.abs(values[:, places].sum(axis=1)) for values in cases], axis=0))
+    return np.stack(sizes, axis=1)

@@ -195,13 +195,13 @@ def delay_words(delay: float) -> str:
     )
 
 
-def holds(one: DifferenceExplanation, pair: OrderPair) -> bool:
+def holds(explanation: DifferenceExplanation, pair: OrderPair) -> bool:
     """Whether an explanation brings the measured values of an order into their intervals."""
     widths = pair.half_widths
     assert widths is not None
     if pair.has_phase:
-        return consistent(complex_scores(pair.measured, one.values, widths), one.fitted)
-    return consistent(amplitude_scores(np.abs(pair.measured), np.abs(one.values), widths), one.fitted)
+        return consistent(complex_scores(pair.measured, explanation.values, widths), explanation.fitted)
+    return consistent(amplitude_scores(np.abs(pair.measured), np.abs(explanation.values), widths), explanation.fitted)
 
 
 def best_explanation(pair: OrderPair, weights: FloatArray) -> DifferenceExplanation | None:
@@ -210,8 +210,8 @@ def best_explanation(pair: OrderPair, weights: FloatArray) -> DifferenceExplanat
     def left(values: ComplexArray) -> float:
         return float((weights * np.abs(pair.measured - values) ** 2).sum())
 
-    found = [(left(one.values), one) for one in explanations(pair, weights)]
-    least, best = min(found, key=lambda one: one[0], default=(math.inf, None))
+    ranked = [(left(explanation.values), explanation) for explanation in explanations(pair, weights)]
+    least, best = min(ranked, key=lambda entry: entry[0], default=(math.inf, None))
     return best if least <= (1 - LEAST_EXPLAINED) * left(pair.calculated) else None
 
 

@@ -154,22 +154,22 @@ class OrderResponse(SavedResult):
         UsageError
             No excitation has this order, or shafts of different speeds have it and no excitation is named.
         """
-        found = [
+        places = [
             place
             for place, line in enumerate(self.lines)
             if not line.fixed and math.isclose(line.order, order) and excitation in (None, line.excitation)
         ]
-        if not found:
+        if not places:
             raise UsageError(
                 f"no order {order:g} acts; there are {', '.join(map(str, self.lines))}", kind="unknown-order"
             )
-        if len({self.lines[place].relative for place in found}) > 1:
-            names = " and ".join(self.lines[place].excitation for place in found)
+        if len({self.lines[place].relative for place in places}) > 1:
+            names = " and ".join(self.lines[place].excitation for place in places)
             raise UsageError(
                 f"order {order:g} of {names} is not one frequency; say which excitation", kind="ambiguous-name"
             )
         # Lines of one order and speed keep their phases to each other: complex values add.
-        return np.asarray(self.values[:, found, self.output(output)].sum(axis=1))
+        return np.asarray(self.values[:, places, self.output(output)].sum(axis=1))
 
     def amplitude_of_order(self, order: float, output: str | None = None) -> FloatArray:
         """Largest possible amplitude of an order of all excitations in SI units of the output, shape (n_speeds,).
@@ -199,16 +199,16 @@ class OrderResponse(SavedResult):
         UsageError
             No excitation has this frequency.
         """
-        found = [
+        places = [
             place
             for place, line in enumerate(self.lines)
             if not line.order and math.isclose(line.fixed, frequency) and excitation in (None, line.excitation)
         ]
-        if not found:
+        if not places:
             raise UsageError(
                 f"nothing acts at {frequency:g} Hz; there are {', '.join(map(str, self.lines))}", kind="unknown-order"
             )
-        return np.asarray(self.values[:, found, self.output(output)].sum(axis=1))
+        return np.asarray(self.values[:, places, self.output(output)].sum(axis=1))
 
     def waveform(self, output: str | None = None, points: int | None = None) -> tuple[FloatArray, FloatArray]:
         """Angles in rad over a common cycle (n,), and at them the sum of all orders of an output in SI, (n_speeds, n).
@@ -241,12 +241,12 @@ class OrderResponse(SavedResult):
         if has_unknown_angles(self.lines):
             worst = at_worst_angles(self.values, self.lines)
             return replace(self, values=worst.values, lines=worst.lines).bounds
-        found = np.zeros((2, len(self.speeds), len(self.outputs)))
+        bounds = np.zeros((2, len(self.speeds), len(self.outputs)))
         for places, counts in self._families():
             # Phases without a cycle drift through all positions: the extremes are +-sum |X|.
             alone = np.abs(self.values[:, places]).sum(axis=1)
-            found += [alone, -alone] if counts is None else cycle_extremes(self.values[:, places], counts)
-        return found
+            bounds += [alone, -alone] if counts is None else cycle_extremes(self.values[:, places], counts)
+        return bounds
 
     def _families(self) -> Iterator[tuple[list[int], list[int] | None]]:
         """Yield indices of order lines of fixed phases to each other, and their periods in a common cycle, or None.
@@ -320,7 +320,7 @@ class OrderResponse(SavedResult):
         """
         if isinstance(mean, MeanValues):
             same = len(mean.speeds) == len(self.speeds) and np.allclose(mean.speeds, self.speeds, rtol=1e-9)
-            if not same or [one.name for one in mean.outputs] != [one.name for one in self.outputs]:
+            if not same or [channel.name for channel in mean.outputs] != [channel.name for channel in self.outputs]:
                 raise UsageError(
                     "the mean values have other speeds or outputs than the order response; calculate both for the same",
                     kind="unlike-results",
@@ -385,7 +385,7 @@ class OrderResponse(SavedResult):
         number = lines_of_one_frequency(self.lines).index(places)
         sizes = summed_sizes(self)[:, number, output]
         at, shown = int(np.argmax(sizes)), abs(self.values[worst, places, output].sum())
-        return (sum_name([self.lines[one] for one in places]), self.rpm[at], sizes[at] * scale, shown * scale)
+        return (sum_name([self.lines[place] for place in places]), self.rpm[at], sizes[at] * scale, shown * scale)
 
     def to_dataframe(self) -> pandas.DataFrame:
         """All orders at all speeds as a pandas.DataFrame, the columns of :meth:`long_table`."""
@@ -402,7 +402,7 @@ class OrderResponse(SavedResult):
         columns += [Column(f"{name} {part}", self.outputs[place // 2].unit) for place, (name, part) in enumerate(names)]
         sums = sums_of_lines(self.lines)
         kinds = [(line.excitation, line.order, [place]) for place, line in enumerate(self.lines)]
-        kinds += [(one.name, one.order, [*one.places]) for one in sums]
+        kinds += [(line_sum.name, line_sum.order, [*line_sum.places]) for line_sum in sums]
         rows = []
         for number, speed in enumerate(self.speeds.tolist()):
             for name, order, places in kinds:
@@ -457,16 +457,16 @@ class OrderResponse(SavedResult):
     def by_frequency(self) -> ComplexArray:
         """Complex amplitudes in SI, order lines of one frequency summed, shape (n_speeds, n_frequencies, n_out)."""
         frequencies = [(line.relative, line.fixed) for line in self.lines]
-        places = {one: number for number, one in enumerate(dict.fromkeys(frequencies))}
-        found = np.zeros((len(self.speeds), len(places), len(self.outputs)), dtype=complex)
-        for number, one in enumerate(frequencies):
-            found[:, places[one]] += self.values[:, number]
-        return found
+        places = {frequency: number for number, frequency in enumerate(dict.fromkeys(frequencies))}
+        summed = np.zeros((len(self.speeds), len(places), len(self.outputs)), dtype=complex)
+        for number, frequency in enumerate(frequencies):
+            summed[:, places[frequency]] += self.values[:, number]
+        return summed
 
     def _spectrum(self, places: Sequence[int], counts: Sequence[int]) -> ComplexArray:
         """Complex amplitudes (SI) by number of periods in a cycle, shape (n_speeds, highest count + 1, n_out)."""
         shape = (len(self.speeds), max(counts, default=0) + 1, len(self.outputs))
-        found = np.zeros(shape, dtype=complex)
+        spectrum = np.zeros(shape, dtype=complex)
         for place, count in zip(places, counts, strict=True):
-            found[:, count] += self.values[:, place]
-        return found
+            spectrum[:, count] += self.values[:, place]
+        return spectrum

@@ -61,11 +61,11 @@ def orders_at_speeds(
     At the given speeds alone; :meth:`torsionnet.Drivetrain.order_response` may add some.
     """
     request = OrderRequest.of(drivetrain, speeds, speed_of, excitations)
-    found = _responses(request, outputs, settled_values(request))
+    response = _responses(request, outputs, settled_values(request))
     # Laws given by tables over frequency are read at every line frequency, which the tables may not cover.
-    read = range_notes(drivetrain.assembly, np.abs(found.frequencies))
+    read = range_notes(drivetrain.assembly, np.abs(response.frequencies))
     notes = (*running_notes(drivetrain.definition), *read)
-    return replace(found, notes=notes) if notes else found
+    return replace(response, notes=notes) if notes else response
 
 
 def settled_values(request: OrderRequest) -> IteratedValues:
@@ -86,16 +86,16 @@ def _responses(request: OrderRequest, wanted: Any, settled: IteratedValues) -> O
         parts = [
             np.arange(start, min(start + SPEEDS_PER_BLOCK, len(at))) for start in range(0, len(at), SPEEDS_PER_BLOCK)
         ]
-        found = [(_of_batch(batch.part(part), wanted, request.loads(at[part])), part) for part in parts]
-        return join_responses(found, at, title)
-    found = [
+        responses = [(_of_batch(batch.part(part), wanted, request.loads(at[part])), part) for part in parts]
+        return join_responses(responses, at, title)
+    responses = [
         (_block(rigs, wanted, request.loads(at[part])), part)
         for rigs, part in blocks_of_speeds(
             drivetrains_at_speeds(request.drivetrain, request.reference, at, settled),
             lambda rig: stress_section_moduli(rig, (wanted,)),
         )
     ]
-    return join_responses(found, at, title)
+    return join_responses(responses, at, title)
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,31 +139,31 @@ class OrderRequest:
         """Order request made from the arguments of :func:`order_response`, or UsageError if it cannot be answered."""
         reference, at = _speeds(drivetrain, speeds, speed_of)
         acting = _acting(drivetrain.definition.excitations, excitations)
-        for name, one in acting.items():
-            _require_moving(drivetrain, name, one)
+        for name, excitation in acting.items():
+            _require_moving(drivetrain, name, excitation)
         held = with_motions_held(drivetrain, acting)
-        ratios = {name: _turning(drivetrain, one.shaft, reference) for name, one in acting.items()}
-        senses = {name: input_senses(held, one, reference) for name, one in acting.items()}
+        ratios = {name: _turning(drivetrain, excitation.shaft, reference) for name, excitation in acting.items()}
+        senses = {name: input_senses(held, excitation, reference) for name, excitation in acting.items()}
         engines = unlocked_engines(acting, drivetrain.definition.excitations)
         return cls(held, reference, at, acting, ratios, senses, engines)
 
     def loads(self, at: FloatArray) -> OrderLoads:
         """Complex amplitudes (N m or rad) and frequencies (Hz) of all order lines at speeds (n_speeds,) in rad/s."""
-        found = tuple(
+        acting = tuple(
             _acts(
                 OrderLine(name, 0.0, abs(self.ratios[name]), engine=self.engines.get(name, "")),
-                one,
+                excitation,
                 self.senses[name],
                 # An excitation is given over the speed of its own shaft, |i| Omega.
-                one.torques(at * abs(float(self.ratios[name]))),
+                excitation.torques(at * abs(float(self.ratios[name]))),
             )
-            for name, one in self.excitations.items()
+            for name, excitation in self.excitations.items()
         )
-        lines = tuple(line for each in found for line in each.lines)
-        inputs = tuple(dict.fromkeys(channel for each in found for channel in each.loads))
+        lines = tuple(line for each in acting for line in each.lines)
+        inputs = tuple(dict.fromkeys(channel for each in acting for channel in each.loads))
         loads = np.zeros((len(at), len(lines), len(inputs)), dtype=complex)
         first = 0
-        for each in found:
+        for each in acting:
             for channel, amplitudes in each.loads.items():
                 loads[:, first : first + len(each.lines), inputs.index(channel)] = amplitudes
             first += len(each.lines)
@@ -171,7 +171,7 @@ class OrderRequest:
         turning = at[:, None] * np.array([float(line.relative) for line in lines]) / (2 * math.pi)
         hertz = turning + np.array([line.fixed for line in lines])
         hertz[np.abs(hertz) < ZERO_FREQUENCY * np.abs(turning)] = 0
-        return OrderLoads(at, self.reference, found, lines, inputs, loads, hertz)
+        return OrderLoads(at, self.reference, acting, lines, inputs, loads, hertz)
 
 
 def shaft_speeds(drivetrain: AssembledModel, excitation: str) -> tuple[float, float]:
@@ -190,9 +190,9 @@ def with_motions_held(drivetrain: AssembledModel, acting: Mapping[str, OrderExci
     """
     inputs = dict(drivetrain.inputs)
     known = {channel for channel in inputs.values() if channel.quantity == "angle"}
-    for name, one in acting.items():
-        for node in one.nodes if one.quantity == "angle" else ():
-            if (channel := one.channel(node)) not in known:
+    for name, excitation in acting.items():
+        for node in excitation.nodes if excitation.quantity == "angle" else ():
+            if (channel := excitation.channel(node)) not in known:
                 known.add(channel)
                 inputs[_unused(f"{name} on {node}", inputs)] = channel
     if len(inputs) == len(drivetrain.inputs):
@@ -213,18 +213,22 @@ Senses = Mapping[str, float]
 """Factors from an excitation to its inputs, mostly +1 or -1, by the node or element on which it acts."""
 
 
-def input_senses(drivetrain: AssembledModel, one: OrderExcitation, reference: str) -> Senses:
+def input_senses(drivetrain: AssembledModel, excitation: OrderExcitation, reference: str) -> Senses:
     """Factors from an excitation to its inputs by node or element, positive in the sense in which its shaft turns.
 
     Nodes that are held still are left out.
     """
-    if one.element_entry is not None:
-        name = one.element_entry[1]
+    if excitation.element_entry is not None:
+        name = excitation.element_entry[1]
         # The law has gamma = row @ theta: an angle e of the shaft at its end changes gamma by row[shaft] e.
         row = drivetrain.assembly.laws[law_of_imposed_twist(drivetrain.assembly, name)].row
-        return {name: float(row[one.shaft]) * _sense(drivetrain, one.shaft, reference)}
+        return {name: float(row[excitation.shaft]) * _sense(drivetrain, excitation.shaft, reference)}
     holds_row = drivetrain.assembly.kinematics.holds_row
-    return {node: _sense(drivetrain, node, reference) for node in one.nodes if not holds_row(one.channel(node).row)}
+    return {
+        node: _sense(drivetrain, node, reference)
+        for node in excitation.nodes
+        if not holds_row(excitation.channel(node).row)
+    }
 
 
 def _sense(drivetrain: AssembledModel, node: str, reference: str) -> float:
@@ -243,25 +247,25 @@ class ExcitationLines:
     """Input, and the sign with which a torque acts there, by node."""
 
 
-def _acts(line: OrderLine, one: OrderExcitation, senses: Senses, found: OrderTorques) -> ExcitationLines:
+def _acts(line: OrderLine, excitation: OrderExcitation, senses: Senses, torques: OrderTorques) -> ExcitationLines:
     """Order lines of an excitation and their complex amplitudes in N m or rad, made from a template ``line``.
 
     The template is without an order.
     """
-    fixed = np.zeros(len(found.orders)) if found.fixed is None else found.fixed
-    pairs = zip(found.orders.tolist(), fixed.tolist(), strict=True)
+    fixed = np.zeros(len(torques.orders)) if torques.fixed is None else torques.fixed
+    pairs = zip(torques.orders.tolist(), fixed.tolist(), strict=True)
     lines = tuple(replace(line, order=order, fixed=frequency) for order, frequency in pairs)
-    if not line.ratio and found.orders.any():
+    if not line.ratio and torques.orders.any():
         raise UsageError(
-            f"{one.shaft} does not turn, so it has no orders; {line.excitation} can act at frequencies there",
+            f"{excitation.shaft} does not turn, so it has no orders; {line.excitation} can act at frequencies there",
             kind="no-effect",
         )
-    columns = {place: column for column, place in enumerate(found.nodes) if place in senses}
-    inputs = {place: (one.channel(place), senses[place]) for place in columns}
+    columns = {place: column for column, place in enumerate(torques.nodes) if place in senses}
+    inputs = {place: (excitation.channel(place), senses[place]) for place in columns}
     # Orders are positive in the sense in which their shaft turns; the sign takes them to the positive angle of the
     # node.
-    loads = {channel: sense * found.amplitudes[:, :, columns[place]] for place, (channel, sense) in inputs.items()}
-    return ExcitationLines(line.excitation, lines, loads, found, inputs)
+    loads = {channel: sense * torques.amplitudes[:, :, columns[place]] for place, (channel, sense) in inputs.items()}
+    return ExcitationLines(line.excitation, lines, loads, torques, inputs)
 
 
 @dataclass(frozen=True, eq=False)
@@ -331,7 +335,7 @@ def _of_batch(batch: Batch, outputs: Channels, loads: OrderLoads) -> OrderRespon
             np.ndarray,
             key,
             lambda: responses_at_own_frequencies(batch, request, frequencies),
-            lambda found: found.nbytes,
+            lambda responses: responses.nbytes,
         )
 
     request = cached_request(batch.drivetrain, outputs, list(loads.inputs), None)
@@ -421,7 +425,7 @@ def _require_moving(drivetrain: AssembledModel, name: str, excitation: OrderExci
         raise UsageError(f"{name} acts in {off}; leave this excitation out", kind="switched-off")
     for node in excitation.nodes:
         channel = excitation.channel(node)
-        missing = next((one for one in channel.nodes if one not in drivetrain.nodes), None)
+        missing = next((end for end in channel.nodes if end not in drivetrain.nodes), None)
         if missing is not None:
             text = f'{name} acts on "{missing}", to which nothing is attached in this configuration'
             raise UsageError(f"{text}; leave this excitation out", kind="no-effect")
@@ -452,7 +456,7 @@ def _acting(known: Mapping[str, OrderExcitation], names: Iterable[str] | None) -
             "the model has no excitations; give its engines, propellers and meshes in its entry excitations:",
             kind="missing-entry",
         )
-    enabled = [name for name, one in known.items() if one.enabled]
+    enabled = [name for name, excitation in known.items() if excitation.enabled]
     chosen = enabled if names is None else [names] if isinstance(names, str) else list(names)
     if not chosen:
         raise UsageError(

@@ -109,18 +109,18 @@ def _output_row(
 ) -> OrderOutputRow:
     channel, worst = run.outputs[place], run if isinstance(run, WorstResponse) else None
     turning = worst if worst and worst.angles else None
-    sums = ((one, run.values[:, list(one.places), place].sum(axis=1)) for one in sums_of_lines(run.lines))
+    sums = ((total, run.values[:, list(total.places), place].sum(axis=1)) for total in sums_of_lines(run.lines))
     orders = ((line, run.values[:, number, place]) for number, line in enumerate(run.lines))
     return OrderOutputRow(
         channel.name, channel.unit, run.half_range[:, place], run.rms[:, place],
         worst.cases(channel.name) if worst else None,
-        {one.engine: one.degrees[:, place] for one in turning.angles} if turning else None,
+        {angle.engine: angle.degrees[:, place] for angle in turning.angles} if turning else None,
         turning.least.half_range[:, place] if turning else None,
-        {one.engine: one.degrees[:, place] for one in turning.least.angles} if turning else None,
+        {angle.engine: angle.degrees[:, place] for angle in turning.least.angles} if turning else None,
         tuple(
             OrderRow(line.excitation, line.order, line.fixed, float(line.relative), values.real, values.imag)
             for line, values in orders
         ),
-        tuple(OrderSumRow(one.name, one.fixed, one.order, values.real, values.imag) for one, values in sums),
+        tuple(OrderSumRow(total.name, total.fixed, total.order, values.real, values.imag) for total, values in sums),
         None if measured is None else compared_orders(run, channel.name, measured, swept),
     )  # fmt: skip

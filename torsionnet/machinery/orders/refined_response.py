@@ -113,10 +113,10 @@ class ExaminedSpeeds:
     ) -> OrderResponse:
         """Order response at speeds in rad/s of the reference, and of periodic motion where it turns or has peaks."""
         if self.periodic:
-            found: OrderResponse = imported(PERIODIC_ORDERS)(
+            response: OrderResponse = imported(PERIODIC_ORDERS)(
                 drivetrain, output, speeds=speeds, speed_of=self.reference, excitation=excitation, between=self.refine
             )
-            return found
+            return response
         return orders_at_speeds(drivetrain, output, speeds=speeds, speed_of=self.reference, excitations=excitation)
 
     def first(self, breaks: FloatArray) -> FloatArray:
@@ -231,11 +231,11 @@ class _Sized:
         """Order response at the speeds of both, sorted by speed, with its half ranges and amplitudes."""
         run, order = merged_responses(self.run, other.run)
         half_range, sizes = (
-            np.concatenate([getattr(one, name) for one in (self, other)])[order] for name in ("half_range", "sizes")
+            np.concatenate([getattr(sized, name) for sized in (self, other)])[order] for name in ("half_range", "sizes")
         )
         return _Sized(run, half_range, sizes)
 
 
-def _wanted(found: _Sized) -> FloatArray:
-    large = found.sizes.max(axis=0) > SMALLEST_ORDER_REFINED * found.half_range.max(axis=0)
-    return speeds_to_refine(found.run.speeds, np.concatenate([found.half_range, found.sizes[:, large]], axis=1))
+def _wanted(sized: _Sized) -> FloatArray:
+    large = sized.sizes.max(axis=0) > SMALLEST_ORDER_REFINED * sized.half_range.max(axis=0)
+    return speeds_to_refine(sized.run.speeds, np.concatenate([sized.half_range, sized.sizes[:, large]], axis=1))

@@ -45,13 +45,13 @@ def refine_speeds(first: T, wanted: Callable[[T], S], looked: Callable[[T, S], T
 
     The values at wanted speeds come from ``looked``.
     """
-    found = first
+    known = first
     for _ in range(MOST_REFINEMENTS):
-        more = wanted(found)
+        more = wanted(known)
         if not len(more):
             break
-        found = looked(found, more)
-    return found
+        known = looked(known, more)
+    return known
 
 
 def fill_speed_gaps(speeds: FloatArray) -> FloatArray:
@@ -103,8 +103,8 @@ def speeds_to_refine(speeds: FloatArray, curves: FloatArray, level: float | None
     >>> bool(curve(more).max() > 0.999)
     True
     """
-    found = [speed for curve in curves.T for speed in _of_curve(speeds, curve, level)]
-    return new_speeds(speeds, np.array(found))
+    further = [speed for curve in curves.T for speed in _of_curve(speeds, curve, level)]
+    return new_speeds(speeds, np.array(further))
 
 
 def vertex_speed(speeds: FloatArray, values: FloatArray, at: int) -> float:

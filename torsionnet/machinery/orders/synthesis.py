@@ -138,20 +138,20 @@ def _of_part(amplitudes: ComplexArray, counts: NDArray[np.int64]) -> FloatArray:
 
 
 def _highest(waves: FloatArray, rise: FloatArray, amplitudes: ComplexArray, counts: NDArray[np.int64]) -> FloatArray:
-    found: FloatArray = waves.max(axis=2)
+    highest: FloatArray = waves.max(axis=2)
     n = waves.shape[2]
     # Only a point within that rise of the highest one can have the true maximum beside it. Waves without a rise, as
     # outputs that nothing excites, are flat, and every point of theirs is as high.
-    flat = np.flatnonzero(waves >= np.where(rise > 0, found - rise, np.inf)[:, :, None])
+    flat = np.flatnonzero(waves >= np.where(rise > 0, highest - rise, np.inf)[:, :, None])
     first, points, every = flat // n * n, flat % n, waves.reshape(-1)
     is_crest = every[flat] >= np.maximum(every[first + (points - 1) % n], every[first + (points + 1) % n])
     rows, points = flat[is_crest] // n, points[is_crest]
-    tops, each = found.reshape(-1), amplitudes.reshape(-1, len(counts))
+    tops, each = highest.reshape(-1), amplitudes.reshape(-1, len(counts))
     for start in range(0, len(points), MOST_MAXIMA):
         part = slice(start, start + MOST_MAXIMA)
         angles = points[part] * (2 * np.pi / n)
         np.maximum.at(tops, rows[part], _tops(each[rows[part]], counts, angles, 2 * np.pi / n))
-    return found
+    return highest
 
 
 def _tops(amplitudes: ComplexArray, counts: NDArray[np.int64], start: FloatArray, step: float) -> FloatArray:

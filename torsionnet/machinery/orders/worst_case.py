@@ -88,20 +88,20 @@ def largest_amplitudes(values: ComplexArray, scatter: Sequence[Contributions]) -
     Combinations fill a polygon around the amplitude without deviations. One of its corners lies furthest out, and at
     every corner an edge begins: contributions along it have the sign of that edge, others that of their part across it.
     """
-    found = np.abs(values)
-    for one in scatter:
-        centre, best = values[:, one.lines], found[:, one.lines]
-        for edge in one.values:
+    largest = np.abs(values)
+    for deviation in scatter:
+        centre, best = values[:, deviation.lines], largest[:, deviation.lines]
+        for edge in deviation.values:
             # Im(share conj(edge)) has the sign of the side of the edge to which a share points: all on one side make
             # a corner.
-            product = one.values * edge.conj()
+            product = deviation.values * edge.conj()
             is_along = np.abs(product.imag) <= PARALLEL * np.abs(product)
             signs = np.sign(np.where(is_along, product.real, product.imag))
-            corner = (signs * one.values).sum(axis=0)
+            corner = (signs * deviation.values).sum(axis=0)
             # The polygon is symmetric to its centre: every corner has an opposite one.
             best = np.maximum(best, np.maximum(np.abs(centre + corner), np.abs(centre - corner)))
-        found[:, one.lines] = best
-    return np.asarray(found)
+        largest[:, deviation.lines] = best
+    return np.asarray(largest)
 
 
 def worst_combination(case: OrderResponse, scatter: Sequence[Contributions]) -> tuple[OrderResponse, NDArray[np.int8]]:
@@ -109,14 +109,14 @@ def worst_combination(case: OrderResponse, scatter: Sequence[Contributions]) -> 
     signs = [np.ones((len(case.speeds), len(case.outputs), 0), dtype=np.int8)]
     values = case.values.copy()
     # Excitations whose lines have a short common cycle scatter together, others each on its own.
-    for group in [list(scatter)] if _repeats_soon(case) and scatter else [[one] for one in scatter]:
+    for group in [list(scatter)] if _repeats_soon(case) and scatter else [[deviation] for deviation in scatter]:
         parts = [slice(start, start + SPEEDS_PER_SEARCH) for start in range(0, len(case.speeds), SPEEDS_PER_SEARCH)]
         signs.append(np.concatenate([_signs(case, group, part) for part in parts]))
         first = 0
-        for one in group:
-            own = signs[-1][:, :, first : first + len(one.labels)]
-            values[:, one.lines] += np.einsum("kslo,sok->slo", one.values, own)
-            first += len(one.labels)
+        for deviation in group:
+            own = signs[-1][:, :, first : first + len(deviation.labels)]
+            values[:, deviation.lines] += np.einsum("kslo,sok->slo", deviation.values, own)
+            first += len(deviation.labels)
     return replace(case, values=values), np.concatenate(signs, axis=2)
 
 
@@ -154,11 +154,11 @@ def _waves(case: OrderResponse, group: Sequence[Contributions], part: slice) -> 
     counts = [count // repeats for count in counts]
     points = POINTS_PER_PERIOD * max(counts)
     basis = np.exp(2j * np.pi * np.outer(counts, np.arange(points)) / points)
-    found = [np.einsum("slo,lm->som", case.values[part][:, places], basis).real]
-    for one in group:
-        own = basis[[places.index(at) for at in range(one.lines.start, one.lines.stop)]]
-        found += [np.einsum("slo,lm->som", share[part], own).real for share in one.values]
-    return found
+    waves = [np.einsum("slo,lm->som", case.values[part][:, places], basis).real]
+    for deviation in group:
+        own = basis[[places.index(at) for at in range(deviation.lines.start, deviation.lines.stop)]]
+        waves += [np.einsum("slo,lm->som", share[part], own).real for share in deviation.values]
+    return waves
 
 
 def _highest_and_lowest(base: FloatArray, shares: FloatArray) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -174,9 +174,9 @@ def _highest_and_lowest(base: FloatArray, shares: FloatArray) -> tuple[NDArray[n
     for start in range(0, base.shape[2], START_STRIDE):
         if not promising[start]:
             continue
-        found = _differences(base, shares, np.full(base.shape[:2], start))
-        at = np.argmax(found, axis=2)
-        value = np.take_along_axis(found, at[..., None], axis=2)[..., 0]
+        differences = _differences(base, shares, np.full(base.shape[:2], start))
+        at = np.argmax(differences, axis=2)
+        value = np.take_along_axis(differences, at[..., None], axis=2)[..., 0]
         better = value > best
         best, high, low = np.where(better, value, best), np.where(better, start, high), np.where(better, at, low)
     # In turn the best highest instant to this lowest one, and the best lowest to that.
@@ -196,10 +196,10 @@ def _largest_differences(base: FloatArray, shares: FloatArray) -> FloatArray:
 
 def _differences(base: FloatArray, shares: FloatArray, at: NDArray[np.int64]) -> FloatArray:
     """Differences (n_speeds, n_out, n_points) of the value at ``at`` from all others, under the worst signs."""
-    found = np.take_along_axis(base, at[..., None], axis=2) - base
+    differences = np.take_along_axis(base, at[..., None], axis=2) - base
     for share in shares:
-        found += np.abs(np.take_along_axis(share, at[..., None], axis=2) - share)
-    return np.asarray(found)
+        differences += np.abs(np.take_along_axis(share, at[..., None], axis=2) - share)
+    return np.asarray(differences)
 
 
 MOST_CASES = 400
@@ -245,15 +245,15 @@ def worst_case(
         return nominal
     cases = _cases(nominal, alternatives)
     largest = np.zeros(nominal.values.shape)
-    found = {}
+    at_worst = {}
     for label, (case, replaced) in cases.items():
-        free = [one.without(replaced) for one in scatter]
+        free = [deviation.without(replaced) for deviation in scatter]
         # The largest amplitude of one line may come in another case than the largest half range of all.
         largest = np.maximum(largest, largest_amplitudes(case.values, free))
-        found[label] = _at_its_worst(case, free)
-    worst = [case for case, _, _ in found.values()]
+        at_worst[label] = _at_its_worst(case, free)
+    worst = [case for case, _, _ in at_worst.values()]
     sizes = np.array([case.half_range for case in worst])
-    same = 1 - (EQUAL_SEARCHED_HALF_RANGE if any(angles for _, _, angles in found.values()) else EQUAL_HALF_RANGE)
+    same = 1 - (EQUAL_SEARCHED_HALF_RANGE if any(angles for _, _, angles in at_worst.values()) else EQUAL_HALF_RANGE)
     chosen = np.argmax(sizes >= same * sizes.max(axis=0), axis=0)  # the first of equal cases
     values = _picked([case.values.swapaxes(1, 2) for case in worst], chosen).swapaxes(1, 2)
     return WorstResponse(
@@ -267,10 +267,10 @@ def worst_case(
         chosen=chosen,
         alternatives={label: case for label, (case, _) in cases.items()},
         each=tuple(worst),
-        scattered=tuple(name for one in scatter for name in _named(one, scatter)),
-        signs=_picked([signs for _, signs, _ in found.values()], chosen),
+        scattered=tuple(name for deviation in scatter for name in _named(deviation, scatter)),
+        signs=_picked([signs for _, signs, _ in at_worst.values()], chosen),
         largest=largest,
-        angles=_picked_angles([angles for _, _, angles in found.values()], chosen),
+        angles=_picked_angles([angles for _, _, angles in at_worst.values()], chosen),
     )
 
 
@@ -283,15 +283,15 @@ def _at_its_worst(
     """
     if not has_unknown_angles(case.lines):
         return *worst_combination(case, scatter), ()
-    found = at_worst_angles(case.values, case.lines, [(one.lines, one.values) for one in scatter])
+    worst = at_worst_angles(case.values, case.lines, [(deviation.lines, deviation.values) for deviation in scatter])
     none = np.ones((len(case.speeds), len(case.outputs), 0), dtype=np.int8)
-    signs = np.concatenate([none, *found.signs], axis=2)
-    return replace(case, values=found.values, lines=found.lines), signs, found.angles
+    signs = np.concatenate([none, *worst.signs], axis=2)
+    return replace(case, values=worst.values, lines=worst.lines), signs, worst.angles
 
 
-def _named(one: Contributions, among: Sequence[Contributions]) -> list[str]:
+def _named(deviation: Contributions, among: Sequence[Contributions]) -> list[str]:
     """Labels of the torque deviations, with the name of the excitation where there are several."""
-    return [label if len(among) == 1 else joined(": ", (one.excitation, label)) for label in one.labels]
+    return [label if len(among) == 1 else joined(": ", (deviation.excitation, label)) for label in deviation.labels]
 
 
 def _cases(
@@ -301,23 +301,23 @@ def _cases(
 
     What it changes is a set of pairs of an excitation and its part, such as a cylinder.
     """
-    count = math.prod(len(one.labels) for one in alternatives)
+    count = math.prod(len(alternative.labels) for alternative in alternatives)
     if count > MOST_CASES:
-        names = " and ".join(one.excitation for one in alternatives)
+        names = " and ".join(alternative.excitation for alternative in alternatives)
         raise UsageError(
             f"{names} make {count} cases together, more than {MOST_CASES}; let one of them have alternatives at a time",
             kind="too-large",
         )
-    named = [list(enumerate(_named(one, alternatives))) for one in alternatives]
-    found = {}
+    named = [list(enumerate(_named(alternative, alternatives))) for alternative in alternatives]
+    cases = {}
     for choice in itertools.product(*named):
         values = nominal.values.copy()
-        for one, (number, _) in zip(alternatives, choice, strict=True):
+        for alternative, (number, _) in zip(alternatives, choice, strict=True):
             # Superposition: an alternative is a deviation from the nominal torques.
-            values[:, one.lines] += one.values[number]
-        parts = {(one.excitation, one.parts[number]) for one, (number, _) in zip(alternatives, choice, strict=True)}
-        found[joined(", ", (label for _, label in choice))] = replace(nominal, values=values), parts
-    return found
+            values[:, alternative.lines] += alternative.values[number]
+        parts = {(case.excitation, case.parts[number]) for case, (number, _) in zip(alternatives, choice, strict=True)}
+        cases[joined(", ", (label for _, label in choice))] = replace(nominal, values=values), parts
+    return cases
 
 
 def _picked_angles(several: Sequence[tuple[EngineAngle, ...]], chosen: NDArray[np.int64]) -> tuple[EngineAngle, ...]:
@@ -325,8 +325,8 @@ def _picked_angles(several: Sequence[tuple[EngineAngle, ...]], chosen: NDArray[n
     return tuple(
         replace(
             same[0],
-            angle=_picked([one.angle[:, :, None] for one in same], chosen)[:, :, 0],
-            period=_picked([one.period[:, :, None] for one in same], chosen)[:, :, 0],
+            angle=_picked([angle.angle[:, :, None] for angle in same], chosen)[:, :, 0],
+            period=_picked([angle.period[:, :, None] for angle in same], chosen)[:, :, 0],
         )
         for same in zip(*several, strict=True)
     )

@@ -60,7 +60,7 @@ Delays: TypeAlias = dict[EngineBlock, FloatArray]
 def _from_several(case: OrderResponse, blocks: Sequence[EngineBlock]) -> Delays:
     """Delays in rad by engine with the smallest half range of the sum of orders, of sweeps from several positions."""
     turn = 2 * np.pi * float(BlockGrid.of(case.lines, blocks).cycle)
-    found = []
+    minima = []
     for number in range(START_POSITIONS):
         # Starts spread over the cycle, shifted by a third from engine to engine so that they do not all begin in
         # step.
@@ -70,9 +70,9 @@ def _from_several(case: OrderResponse, blocks: Sequence[EngineBlock]) -> Delays:
             )
             for place, block in enumerate(blocks[1:], 1)
         }
-        found.append(_swept(case, blocks, start, ENGINE_SWEEPS))
-    best = np.argmin([_half_range(case, one) for one in found], axis=0)
-    return {block: np.choose(best, [one[block] for one in found]) for block in blocks[1:]}
+        minima.append(_swept(case, blocks, start, ENGINE_SWEEPS))
+    best = np.argmin([_half_range(case, delays) for delays in minima], axis=0)
+    return {block: np.choose(best, [delays[block] for delays in minima]) for block in blocks[1:]}
 
 
 def _swept(case: OrderResponse, blocks: Sequence[EngineBlock], start: Delays, sweeps: int) -> Delays:
@@ -102,19 +102,19 @@ def _least(
     ranges = np.stack([np.subtract(*extremes(wave)) for wave in moved], axis=2)
     best, size = delays[block], np.full(delays[block].shape, np.inf)
     for steps in highest_maxima(ranges.max(axis=2, keepdims=True) - ranges)[: REFINED_MINIMA[min(len(waves), 3)]]:
-        found, own = _refined(case, delays, block, np.asarray(step * steps), step)
-        best, size = np.where(own < size * (1 - EQUAL_SHARE), found, best), np.minimum(size, own)
+        delay, own = _refined(case, delays, block, np.asarray(step * steps), step)
+        best, size = np.where(own < size * (1 - EQUAL_SHARE), delay, best), np.minimum(size, own)
     return best
 
 
 def _later(case: OrderResponse, delays: Mapping[EngineBlock, FloatArray]) -> ComplexArray:
     """Order amplitudes (n_speeds, n_lines, n_out) in SI with engines delayed by angles of the reference shaft (rad)."""
-    found = case.values.copy()
+    delayed = case.values.copy()
     for block, delay in delays.items():
         rates = np.array([float(case.lines[at].relative) for at in block.places])
         # T(phi - delta): a delay by delta of the reference shaft turns a line of relative order r by -r delta.
-        found[:, block.places] *= np.exp(-1j * rates[:, None] * delay[:, None, :])
-    return found
+        delayed[:, block.places] *= np.exp(-1j * rates[:, None] * delay[:, None, :])
+    return delayed
 
 
 def _wave(case: OrderResponse, values: ComplexArray, places: Sequence[int], angles: FloatArray) -> FloatArray:
@@ -130,9 +130,9 @@ def _refined(
     best, size = start, np.full(start.shape, np.inf)
     for _ in range(STEP_REFINEMENTS):
         for place in range(-STEP_DIVISOR, STEP_DIVISOR + 1):
-            one = start + step * place / STEP_DIVISOR
-            own = _half_range(case, {**delays, block: one})
-            best, size = np.where(own < size * (1 - EQUAL_SHARE), one, best), np.minimum(size, own)
+            delay = start + step * place / STEP_DIVISOR
+            own = _half_range(case, {**delays, block: delay})
+            best, size = np.where(own < size * (1 - EQUAL_SHARE), delay, best), np.minimum(size, own)
         start, step = best, step / STEP_DIVISOR
     return best, size
 
@@ -200,10 +200,10 @@ class WorstResponse(OrderResponse):
             return self
         lines = next(iter(self.alternatives.values())).lines
         values = with_engines_delayed(self.values, lines, self.angles, sense=-1)
-        found = at_least_range_angles(
+        least = at_least_range_angles(
             OrderResponse(self.speeds, self.reference, lines, values, self.outputs, self.title)
         )
-        return replace(self, values=found.values, angles=found.angles)
+        return replace(self, values=least.values, angles=least.angles)
 
     def least_at(self, speed: int, output: str | None = None) -> WorstResponse:
         """Order response at the engine angles of smallest half range, for one output and a speed given by its index."""
@@ -216,22 +216,22 @@ class WorstResponse(OrderResponse):
             chosen=self.chosen[at][:, out],
             signs=self.signs[at][:, out],
             largest=self.largest[at][:, :, out],
-            angles=tuple(one.part(at, out) for one in self.angles),
+            angles=tuple(angle.part(at, out) for angle in self.angles),
         )
         return single.least
 
     @property
     def engine_notes(self) -> tuple[str, ...]:
-        pairs = " and ".join(f"{one.engine} and {one.after}" for one in self.angles)
+        pairs = " and ".join(f"{angle.engine} and {angle.after}" for angle in self.angles)
         text = f"no phase is given between {pairs}: for every output and speed the worst angle counts"
         return (*((text,) if pairs else ()), *super().engine_notes)
 
     def angle_range(self, speed: int, output: str | None = None) -> str:
         """Sentence on the engine angles with the largest and the smallest half range, at a speed given by its index."""
         place = self.output(output)
-        words = ", ".join(one.at(speed, place) for one in self.angles)
+        words = ", ".join(angle.at(speed, place) for angle in self.angles)
         least = self.least_at(speed, output)
-        fewest = ", ".join(one.at(0, 0) for one in least.angles)
+        fewest = ", ".join(angle.at(0, 0) for angle in least.angles)
         share = least.half_range[0, 0] / (self.half_range[speed, place] or 1.0)
         return f"largest where {words}; smallest, {share:.3g} of that, where {fewest}"
 
@@ -261,7 +261,7 @@ class WorstResponse(OrderResponse):
         if self.scattered:
             high = [name for name, sign in zip(self.scattered, self.signs[at, place], strict=True) if sign > 0]
             parts.append(f"{', '.join(high)} up, the others down" if high else "all down")
-        parts += [one.at(at, place) for one in self.angles]
+        parts += [angle.at(at, place) for angle in self.angles]
         return joined("; ", parts)
 
     def _alike(self, at: int, place: int, sizes: FloatArray) -> str:
@@ -276,22 +276,22 @@ class WorstResponse(OrderResponse):
 
     def table(self, output: str | None = None, conventions: Conventions = SI, most: int = 6) -> Table:
         """Table of an output's largest half range and orders, with their speeds in rpm, and the worst case in notes."""
-        found = super().table(output, conventions, most)
+        table = super().table(output, conventions, most)
         worst = int(np.argmax(self.half_range[:, self.output(output)]))
         count = f" of {len(self.labels)} cases" if self.labels else ""
         note = f"at every speed the worst{count}; at {self.rpm[worst]:.6g} rpm: {self.case_at(worst, output)}"
         angles = [f"at {self.rpm[worst]:.6g} rpm {self.angle_range(worst, output)}"] if self.angles else []
-        return replace(found, notes=(*found.notes, note, *self.engine_notes, *angles))
+        return replace(table, notes=(*table.notes, note, *self.engine_notes, *angles))
 
     def long_table(self) -> Table:
         """Table of all order amplitudes in SI, a row per speed in rpm and order line, with each output's worst case."""
-        found = super().long_table()
+        table = super().long_table()
         names = [channel.name for channel in self.outputs]
         by_output = [self.cases(name) for name in names]
-        each = len(found.rows) // len(self.speeds)
-        rows = tuple((*row, *(cases[number // each] for cases in by_output)) for number, row in enumerate(found.rows))
-        columns = (*found.columns, *(Column(f"{name} case") for name in names))
-        return replace(found, columns=columns, rows=rows)
+        each = len(table.rows) // len(self.speeds)
+        rows = tuple((*row, *(cases[number // each] for cases in by_output)) for number, row in enumerate(table.rows))
+        columns = (*table.columns, *(Column(f"{name} case") for name in names))
+        return replace(table, columns=columns, rows=rows)
 
 
 def join_responses(
@@ -300,11 +300,13 @@ def join_responses(
     """Order response at all speeds in rad/s, joined from responses at some of the speeds, given with their indices."""
     # Parts come by their indices among all speeds: sorting these puts values in place.
     order = np.argsort(np.concatenate([places for _, places in parts]))
-    found = [part for part, _ in parts]
-    whole = replace(found[0], speeds=speeds, values=np.concatenate([part.values for part in found])[order], title=title)
-    worst = [part for part in found if isinstance(part, WorstResponse)]
+    responses = [part for part, _ in parts]
+    whole = replace(
+        responses[0], speeds=speeds, values=np.concatenate([part.values for part in responses])[order], title=title
+    )
+    worst = [part for part in responses if isinstance(part, WorstResponse)]
     if not isinstance(whole, WorstResponse):
-        return _bounded(whole, found, order)
+        return _bounded(whole, responses, order)
     places = [those for _, those in parts]
     complete = replace(
         whole,
@@ -327,7 +329,7 @@ def join_responses(
             first.joined(others, order) for first, *others in zip(*(part.angles for part in worst), strict=True)
         ),
     )
-    return _bounded(complete, found, order)
+    return _bounded(complete, responses, order)
 
 
 def _bounded(whole: OrderResponse, parts: Sequence[OrderResponse], order: NDArray[np.intp]) -> OrderResponse:

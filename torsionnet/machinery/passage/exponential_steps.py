@@ -61,8 +61,8 @@ class SteppedForm:
     @classmethod
     def between(cls, first: Matrices, last: Matrices) -> SteppedForm:
         """State space of a section of time in SI units, from its matrices at both ends."""
-        A, B, C, _ = middle = _matrices((one + other) / 2 for one, other in zip(first, last, strict=True))
-        change = _matrices(other - one for one, other in zip(first, last, strict=True))
+        A, B, C, _ = middle = _matrices((begin + other) / 2 for begin, other in zip(first, last, strict=True))
+        change = _matrices(other - begin for begin, other in zip(first, last, strict=True))
         # (dA; dC) = acting @ sensed of least rank, by singular values of rows scaled to A and C, so that units
         # decide nothing.
         rows = np.vstack([change[0], change[2]])
@@ -101,18 +101,18 @@ class SteppedForm:
             _Steps(part, diagonal, *step_weights(part.T, h, nodes, diagonal=diagonal)) for part, diagonal in stepping
         ]
         driven = np.concatenate([torques, torques * swing]) if self.change[1].any() else torques
-        found = _sum(one.run(start, driven, slice(0, len(driven)), n_x) for one in steps)
-        own, more = slice(2 * n_in, 2 * n_in + rank), found
+        response = _sum(step.run(start, driven, slice(0, len(driven)), n_x) for step in steps)
+        own, more = slice(2 * n_in, 2 * n_in + rank), response
         # Picard iteration: dA acts on the motion found last and makes a correction, which dA acts on again.
         for _ in range(MOST_CORRECTIONS if rank else 0):
             push = swing * _at_gauss_points(more[0][n_out : n_out + rank], nodes)
-            more = _sum(one.run(0 * start, push, own, n_x) for one in steps)
-            found = (found[0] + more[0], found[1] + more[1])
-            if np.abs(more[0]).max() <= CORRECTION_TOLERANCE * np.abs(found[0]).max():
+            more = _sum(step.run(0 * start, push, own, n_x) for step in steps)
+            response = (response[0] + more[0], response[1] + more[1])
+            if np.abs(more[0]).max() <= CORRECTION_TOLERANCE * np.abs(response[0]).max():
                 break
         # y = (C + swing dC) x + (D + swing dD) u.
-        read = self.read @ found[0][n_out : n_out + rank] + self.change[3] @ at_points
-        return found[0][:n_out] + self.middle[3] @ at_points + swing_at * read, found[1]
+        read = self.read @ response[0][n_out : n_out + rank] + self.change[3] @ at_points
+        return response[0][:n_out] + self.middle[3] @ at_points + swing_at * read, response[1]
 
     def steady(self, torques: ComplexArray, frequencies: FloatArray) -> FloatArray:
         """States (n_x,) of steady vibration at the beginning, under torques (n_in, n_lines) at frequencies in rad/s.
@@ -121,11 +121,11 @@ class SteppedForm:
         """
         # At the beginning swing is -1/2: x = Re (j omega - A)^-1 B T for each line.
         A, B = (self.middle[place] - self.change[place] / 2 for place in (0, 1))
-        found = np.zeros(len(A))
+        states = np.zeros(len(A))
         for column, omega in zip((B @ torques).T, frequencies.tolist(), strict=True):
             if omega and column.any():
-                found += np.linalg.solve(1j * omega * np.eye(len(A)) - A, column).real
-        return found
+                states += np.linalg.solve(1j * omega * np.eye(len(A)) - A, column).real
+        return states
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,8 +172,8 @@ class _Steps:
 def _sum(parts: Iterable[tuple[FloatArray, FloatArray]]) -> tuple[FloatArray, FloatArray]:
     """Sums of the first and of the second arrays of pairs."""
     first, *others = parts
-    for one in others:
-        first = (first[0] + one[0], first[1] + one[1])
+    for other in others:
+        first = (first[0] + other[0], first[1] + other[1])
     return first
 
 
@@ -187,15 +187,15 @@ def _at_gauss_points(values: FloatArray, nodes: int) -> FloatArray:
     n = values.shape[1] - 1
     # Lagrange's cubic through the four points around a step; at an end those inside.
     first = np.clip(np.arange(n) - 1, 0, n - 3)
-    found = np.zeros((len(values), n, nodes))
+    at_points = np.zeros((len(values), n, nodes))
     place = (np.arange(n) - first)[:, None] + gauss_points(nodes)
     for point in range(4):
         weight = np.ones_like(place)
         for other in range(4):
             if other != point:
                 weight = weight * (place - other) / (point - other)
-        found += values[:, first + point, None] * weight
-    return found
+        at_points += values[:, first + point, None] * weight
+    return at_points
 
 
 @lru_cache(maxsize=16)

@@ -41,17 +41,17 @@ def crests(values: FloatArray) -> FloatArray:
     >>> round(float(wave.max()), 4), round(float(crests(wave).max()), 4)
     (0.9965, 0.9998)
     """
-    found = values.copy()
+    refined = values.copy()
     if len(values) < 3:
-        return found
+        return refined
     before, here, after = values[:-2], values[1:-1], values[2:]
     bend = before - 2 * here + after
     # A sample no lower or no higher than both neighbours; the vertex lies (y_1 - y_3)^2/(-8 bend) beyond it.
     extreme = (here - before) * (after - here) <= 0
     with np.errstate(divide="ignore", invalid="ignore"):
         rise = np.where(extreme & (bend != 0), (before - after) ** 2 / (-8 * bend), 0.0)
-    found[1:-1] = here + rise
-    return found
+    refined[1:-1] = here + rise
+    return refined
 
 
 def envelopes(angles: FloatArray, values: FloatArray, cycle: float) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -202,10 +202,10 @@ class PassageResponse(SavedResult):
 
     def peak(self, output: str | None = None) -> PassagePeak:
         """Largest half range (SI) of an output along the speed, with its time in s and speed in r/min."""
-        times, found = self.envelope(output)
-        at, channel = int(np.argmax(found)), self.outputs[self.output(output)]
+        times, half_range = self.envelope(output)
+        at, channel = int(np.argmax(half_range)), self.outputs[self.output(output)]
         rpm = float(np.interp(times[at], self.times, self.rpm))
-        return PassagePeak(channel.name, float(found[at]), channel.unit, float(times[at]), rpm)
+        return PassagePeak(channel.name, float(half_range[at]), channel.unit, float(times[at]), rpm)
 
     def cycles_above(self, level: ArrayLike, output: str | None = None) -> float:
         """Number of vibration cycles of an output whose amplitude exceeds a level in SI, counted in half cycles.
@@ -217,9 +217,9 @@ class PassageResponse(SavedResult):
 
     def seconds_above(self, level: ArrayLike, output: str | None = None) -> float:
         """Time in s in which the half range of an output exceeds a level (SI), a number or an array (n_t,)."""
-        times, found = self.envelope(output)
+        times, half_range = self.envelope(output)
         levels = np.interp(times, self.times, np.broadcast_to(np.asarray(level, dtype=float), self.times.shape))
-        return sum((span.high - span.low for span in spans_above(times, found, levels)), 0.0)
+        return sum((span.high - span.low for span in spans_above(times, half_range, levels)), 0.0)
 
     def table(self, conventions: Conventions = SI) -> Table:
         """Table of the largest half range of every output along the speed, with its time in s and speed in rpm."""

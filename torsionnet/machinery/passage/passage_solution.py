@@ -158,24 +158,24 @@ def passage_from(
     lines = tuple(line for line, acts in zip(steady.lines, kept.tolist(), strict=True) if acts)
     walk = _Passage(request, tuple(asked), PassageTorques(request, case, kept), lines, request.loads(grid[:1]).inputs)
     sections = walk.cut(at, run, start_angle)
-    found, error = walk.along(sections, 0), math.inf
+    response, error = walk.along(sections, 0), math.inf
     # Each round halves the sections and adds a Gauss point: its difference from the round before estimates the error.
     for halving in range(1, MOST_HALVINGS + 1):
-        sections = [half for one in sections for half in one.halves()]
-        last, found = found, walk.along(sections, halving)
-        size = np.abs(found).max(axis=0)
-        error = float((np.abs(found - last).max(axis=0) / np.where(size > 0, size, 1.0)).max(initial=0.0))
+        sections = [half for section in sections for half in section.halves()]
+        last, response = response, walk.along(sections, halving)
+        size = np.abs(response).max(axis=0)
+        error = float((np.abs(response - last).max(axis=0) / np.where(size > 0, size, 1.0)).max(initial=0.0))
         if error <= ERROR_TOLERANCE:
             break
     # Orders left out are an error, too.
     error = max(error + left_out, LEAST_ERROR)
-    grid_of = [one.grid() for one in sections]
+    grid_of = [section.grid() for section in sections]
     moments, angles, course = (
         np.concatenate([part[number][:-1] for part in grid_of] + [grid_of[-1][number][-1:]]) for number in range(3)
     )
     cycle = _cycle(steady.lines, float(angles[-1] - angles[0]))
     return PassageResponse(
-        moments, course, angles, request.reference, found, steady.outputs, cycle, error,
+        moments, course, angles, request.reference, response, steady.outputs, cycle, error,
         drivetrain.title, (*notes, f"estimated error {100 * error:.1g} % of the largest value"),
         _window_angles(steady.lines, cycle, moments, course, angles),
     )  # fmt: skip
@@ -234,7 +234,7 @@ class _Passage:
         """
         relative = [float(line.relative) for line in self.lines]
         fixed = 2 * math.pi * np.array([line.fixed for line in self.lines])
-        found: list[_Section] = []
+        sections: list[_Section] = []
         whole = FEWEST_STEPS * 2**MOST_HALVINGS
         for start, end, first, last in zip(times[:-1], times[1:], speeds[:-1], speeds[1:], strict=True):
             # A section holds a small change of speed only, in which matrices and amplitudes run nearly straight.
@@ -246,33 +246,33 @@ class _Passage:
                 # A number that can be halved as often as sections are.
                 steps = whole * math.ceil(duration * rate * STEPS_PER_PERIOD / (2 * math.pi) / whole)
                 place = (float(ends[number]), duration, angle, float(low), float(high))
-                found.append(_Section(*place, steps or whole, len(found)))
+                sections.append(_Section(*place, steps or whole, len(sections)))
                 angle += duration * float(low + high) / 2
-        total = sum(one.steps for one in found)
+        total = sum(section.steps for section in sections)
         if total > MOST_STEPS:
             text = f"the highest order takes {total} steps over {times[-1] - times[0]:g} s, more than {MOST_STEPS}"
             raise UsageError(f"{text}; shorten the time, or leave out high orders", kind="too-large")
-        return found
+        return sections
 
     def along(self, sections: Sequence[_Section], halvings: int) -> FloatArray:
         """Outputs (n_t, n_out) in SI at all steps, with sections halved ``halvings`` times, from a steady start."""
         nodes, parts = FEWEST_NODES + halvings, 2**halvings
-        firsts = [replace(one, last=other.last) for one, other in
+        firsts = [replace(section, last=other.last) for section, other in
                   zip(sections[::parts], sections[parts - 1 :: parts], strict=True)]  # fmt: skip
-        ranges = [(min(one.first, one.last), max(one.first, one.last)) for one in firsts]
+        ranges = [(min(section.first, section.last), max(section.first, section.last)) for section in firsts]
         acting = self.torques.sections(ranges, nodes)
-        forms = self._forms(sorted({speed for one in sections for speed in (one.first, one.last)}))
-        shares, found, states = gauss_points(nodes), [], None
-        for one in sections:
-            torques, form = acting[one.base], forms(one.first, one.last)
+        forms = self._forms(sorted({speed for section in sections for speed in (section.first, section.last)}))
+        shares, courses, states = gauss_points(nodes), [], None
+        for section in sections:
+            torques, form = acting[section.base], forms(section.first, section.last)
             # Before the passage the drivetrain has been at the first speed for long.
             if states is None:
-                states = form.steady(*torques.steady(one.start, one.angle, one.first))
-            inner = ((np.arange(one.steps)[:, None] + shares) / one.steps).ravel()
-            pushed = torques.at(*one.moments(inner)).reshape(-1, one.steps, nodes)
-            values, states = form.steps(states, pushed, torques.at(*one.grid()), one.duration / one.steps)
-            found.append(values)
-        whole = [part[:, :-1] for part in found] + [found[-1][:, -1:]]
+                states = form.steady(*torques.steady(section.start, section.angle, section.first))
+            inner = ((np.arange(section.steps)[:, None] + shares) / section.steps).ravel()
+            pushed = torques.at(*section.moments(inner)).reshape(-1, section.steps, nodes)
+            values, states = form.steps(states, pushed, torques.at(*section.grid()), section.duration / section.steps)
+            courses.append(values)
+        whole = [part[:, :-1] for part in courses] + [courses[-1][:, -1:]]
         return np.asarray(np.concatenate(whole, axis=1).T)
 
     def _forms(self, ends: Sequence[float]) -> Callable[[float, float], SteppedForm]:

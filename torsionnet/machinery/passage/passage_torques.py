@@ -48,7 +48,7 @@ class ExcitationCase:
         return cls(
             int(run.chosen[at, output]) if run.labels else None,
             tuple(run.signs[at, output].tolist()),
-            tuple((one, float(one.angle[at, output])) for one in run.angles),
+            tuple((angle, float(angle.angle[at, output])) for angle in run.angles),
             run.case_at(at, run.outputs[output].name),
         )
 
@@ -67,7 +67,7 @@ class PassageTorques:
         loads = self.request.loads(speeds)
         values = loads.loads.copy()
         kinds = [each.torques.alternatives for each in loads.by_excitation]
-        sizes = [len(one.labels) for one in kinds if one is not None]
+        sizes = [len(kind.labels) for kind in kinds if kind is not None]
         # Cases are all combinations of one alternative per excitation, the last running fastest.
         picked = iter(np.unravel_index(self.case.alternative or 0, sizes) if sizes else ())
         signs, first = list(self.case.signs), 0
@@ -92,7 +92,7 @@ class PassageTorques:
                     channel, sense = each.inputs[node]
                     values[:, lines, loads.inputs.index(channel)] += factor * sense * torque
         size = (len(speeds), len(loads.inputs))
-        late = [replace(one, angle=np.full(size, angle)) for one, angle in self.case.angles]
+        late = [replace(engine, angle=np.full(size, angle)) for engine, angle in self.case.angles]
         return with_engines_delayed(values, loads.lines, late), loads
 
     def sections(self, ranges: Sequence[tuple[float, float]], count: int) -> list[SectionTorques]:
@@ -143,10 +143,10 @@ class SectionTorques:
         # Re(T exp(j theta)) = Re T cos theta - Im T sin theta: real functions and products are several times as fast.
         waves = np.concatenate([np.cos(turned), np.sin(turned)])
         share = (speeds - self.low) / ((self.high - self.low) or 1.0)
-        found = np.zeros((self.powers.shape[2], len(times)))
+        torques = np.zeros((self.powers.shape[2], len(times)))
         for factors in self.powers[::-1]:
-            found = found * share + np.concatenate([factors.real, -factors.imag]).T @ waves
-        return found
+            torques = torques * share + np.concatenate([factors.real, -factors.imag]).T @ waves
+        return torques
 
     def steady(self, time: float, angle: float, speed: float) -> tuple[ComplexArray, FloatArray]:
         """Complex torques (n_inputs, n_lines) in N m at an instant, and frequencies (n_lines,) in rad/s."""

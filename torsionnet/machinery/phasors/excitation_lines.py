@@ -59,21 +59,21 @@ def excitation_lines(drivetrain: AssembledModel, excitation: str) -> tuple[Excit
     (4.0, 76800, 0.06)
     """
     _, own = shaft_speeds(drivetrain, excitation)
-    one = drivetrain.definition.excitations[excitation]
-    found = one.torques(np.array([own]))
-    rating = one.rating
+    acting = drivetrain.definition.excitations[excitation]
+    torques = acting.torques(np.array([own]))
+    rating = acting.rating
     mean = math.nan
-    if rating is not None and one.quantity == "torque":
+    if rating is not None and acting.quantity == "torque":
         # Mean torque (n/n_rated)^exponent T_rated at the speed of the lines.
         follows = (own / rating.speed) ** rating.exponent if rating.speed and rating.exponent else 1.0
         mean = abs(rating.torque) * follows
-    fixed = np.zeros(len(found.orders)) if found.fixed is None else found.fixed
+    fixed = np.zeros(len(torques.orders)) if torques.fixed is None else torques.fixed
     lines = []
-    for line, (order, hertz) in enumerate(zip(found.orders.tolist(), fixed.tolist(), strict=True)):
-        sizes = np.abs(found.amplitudes[0, line])
+    for line, (order, hertz) in enumerate(zip(torques.orders.tolist(), fixed.tolist(), strict=True)):
+        sizes = np.abs(torques.amplitudes[0, line])
         place = int(np.argmax(sizes >= (1 - EQUAL_AMPLITUDES) * sizes.max()))  # of equal ones the first
-        amplitude = complex(found.amplitudes[0, line, place])
+        amplitude = complex(torques.amplitudes[0, line, place])
         share = abs(amplitude) / mean if mean else math.nan
         phase = float(np.angle(amplitude))
-        lines.append(ExcitationLine(excitation, found.nodes[place], order, hertz, abs(amplitude), share, phase))
+        lines.append(ExcitationLine(excitation, torques.nodes[place], order, hertz, abs(amplitude), share, phase))
     return tuple(lines)

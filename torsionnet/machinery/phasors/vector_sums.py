@@ -116,15 +116,15 @@ class VectorSums(SavedResult):
         In-line engines that fire evenly repeat their stars: order h has that of order h plus half the number of
         cylinders (four-stroke) or plus all of them (two-stroke), and the mirror image has the same sum.
         """
-        found: list[list[float]] = []
+        groups: list[list[float]] = []
         for order in self.orders:
             sums = self._sums(order)
-            alike = next((group for group in found if np.allclose(self._sums(group[0]), sums, atol=EQUAL_SUMS)), None)
+            alike = next((group for group in groups if np.allclose(self._sums(group[0]), sums, atol=EQUAL_SUMS)), None)
             if alike is None:
-                found.append([order])
+                groups.append([order])
             else:
                 alike.append(order)
-        return tuple(map(tuple, found))
+        return tuple(map(tuple, groups))
 
     def table(self) -> Table:
         """Table of relative vector sums, a row for each group of orders and a column for each mode."""
@@ -185,17 +185,17 @@ def star_diagram(
 
     The part ``out`` is out of action.
     """
-    found = {part: (node, 0j if part == out else v) for part, (node, v) in excitation.phase_vectors(order).items()}
-    amplitudes = np.array([shape[node] for node, _ in found.values()])
+    by_part = {part: (node, 0j if part == out else v) for part, (node, v) in excitation.phase_vectors(order).items()}
+    amplitudes = np.array([shape[node] for node, _ in by_part.values()])
     largest = np.abs(amplitudes).max(initial=0) or 1.0
     # theta_z/max theta exp(-j h alpha_z).
-    vectors = np.array([vector for _, vector in found.values()]) * amplitudes / largest
-    return StarDiagram(name, order, tuple(found), tuple(node for node, _ in found.values()), vectors, title)
+    vectors = np.array([vector for _, vector in by_part.values()]) * amplitudes / largest
+    return StarDiagram(name, order, tuple(by_part), tuple(node for node, _ in by_part.values()), vectors, title)
 
 
 def generalised_force(
     excitation: OrderExcitation,
-    found: OrderTorques,
+    acting: OrderTorques,
     at: tuple[int, int],
     shape: Mapping[str, complex],
     largest: float,
@@ -208,38 +208,38 @@ def generalised_force(
     the excitation.
     """
     speed, line = at
-    torques = dict(zip(found.nodes, found.amplitudes[speed, line].tolist(), strict=True))
+    torques = dict(zip(acting.nodes, acting.amplitudes[speed, line].tolist(), strict=True))
     # What cancels leaves rounding of the largest torque of any order at this speed.
-    strongest = float(np.abs(found.amplitudes[speed]).max())
-    single = max(_single(excitation, float(found.orders[line]), torques), CANCELLED * strongest) * largest
-    cases = _cases(found, at, shape)
-    value = max(one[0] for one in cases)
-    worst = [one for one in cases if one[0] >= (1 - CANCELLED) * value]
+    strongest = float(np.abs(acting.amplitudes[speed]).max())
+    single = max(_single(excitation, float(acting.orders[line]), torques), CANCELLED * strongest) * largest
+    cases = _cases(acting, at, shape)
+    value = max(case[0] for case in cases)
+    worst = [case for case in cases if case[0] >= (1 - CANCELLED) * value]
     _, case, part = worst[0]  # equal cases are named together; where all are equal none is named
     case = "" if 1 < len(worst) == len(cases) else " or ".join(label for _, label, _ in worst)
     by_case = tuple((label, force) for force, label, _ in cases)
     return GeneralisedForce(value, value / single if single > 0 else 0.0, case, part, by_case)
 
 
-def _cases(found: OrderTorques, at: tuple[int, int], shape: Mapping[str, complex]) -> list[tuple[float, str, str]]:
+def _cases(torques: OrderTorques, at: tuple[int, int], shape: Mapping[str, complex]) -> list[tuple[float, str, str]]:
     """Generalised force in N m, label and part out of action of every case, each at the worst cylinder spread."""
     speed, line = at
     # Q = sum_n phi_n T_n has the form of a response, with the shape in place of receptances.
-    gains = np.array([shape[node] for node in found.nodes])[None, None, None, :]
-    columns = {node: (place, 1.0) for place, node in enumerate(found.nodes)}
+    gains = np.array([shape[node] for node in torques.nodes])[None, None, None, :]
+    columns = {node: (place, 1.0) for place, node in enumerate(torques.nodes)}
 
     def on_top(shares: TorqueShares) -> Contributions:
         here = replace(shares, amplitudes=shares.amplitudes[:, speed : speed + 1, line : line + 1])
         return contributions("", here, gains, slice(0, 1), columns)
 
-    nominal = np.array(gains[..., 0, :] @ found.amplitudes[speed, line]).reshape(1, 1, 1)
-    scatter = [] if found.scatter is None else [on_top(found.scatter)]
-    if found.alternatives is None:
+    nominal = np.array(gains[..., 0, :] @ torques.amplitudes[speed, line]).reshape(1, 1, 1)
+    scatter = [] if torques.scatter is None else [on_top(torques.scatter)]
+    if torques.alternatives is None:
         return [(float(largest_amplitudes(nominal, scatter).item()), "", "")]
-    changes = on_top(found.alternatives)
+    changes = on_top(torques.alternatives)
     cases = []
     for change, label, part in zip(changes.values, changes.labels, changes.parts, strict=True):
-        free = [one.without({("", part)}) for one in scatter]
+        free = [deviation.without({("", part)}) for deviation in scatter]
         cases.append((float(largest_amplitudes(nominal + change, free).item()), label, part))
     return cases
 
@@ -290,17 +290,17 @@ def vector_sums(
     Examples
     --------
     >>> import torsionnet as tn
-    >>> found = vector_sums(tn.load("two_stroke_ship").configured("normal"), "engine", modes=[1], orders=[1, 5, 6])
-    >>> [(one.order, round(one.sum, 3)) for one in found.rows()]
+    >>> sums = vector_sums(tn.load("two_stroke_ship").configured("normal"), "engine", modes=[1], orders=[1, 5, 6])
+    >>> [(row.order, round(row.sum, 3)) for row in sums.rows()]
     [(1, 0.056), (5, 0.056), (6, 5.611)]
-    >>> found = vector_sums(tn.load("two_stroke_ship"), "engine", modes=[1], orders=[1, 6], without=[2])
-    >>> [(one.order, round(one.sum, 3)) for one in found.rows()]
+    >>> sums = vector_sums(tn.load("two_stroke_ship"), "engine", modes=[1], orders=[1, 6], without=[2])
+    >>> [(row.order, round(row.sum, 3)) for row in sums.rows()]
     [(1, 0.99), (6, 4.622)]
     """
     known = drivetrain.definition.excitations
     engine = known.get(excitation)
     if not isinstance(engine, ReciprocatingEngine):
-        engines = [name for name, one in known.items() if isinstance(one, ReciprocatingEngine)]
+        engines = [name for name, entry in known.items() if isinstance(entry, ReciprocatingEngine)]
         raise UsageError(f'no engine is named "{excitation}"{did_you_mean(excitation, engines)}', kind="unknown-name")
     sound = replace(engine, misfire=(), gas_off=tuple(without), factors={})
     shapes = _shapes(drivetrain)
@@ -319,5 +319,5 @@ def vector_sums(
 def _shapes(drivetrain: AssembledModel) -> dict[int, Mapping[str, complex]]:
     """Shape of every vibration by number of the mode, as complex angles by node, without unit."""
     nodes = drivetrain.assembly.nodes
-    found = sorted(vibration_modes(drivetrain, damped_modes(drivetrain)), key=lambda one: one.number)
-    return {one.number: dict(zip(nodes, one.shape.tolist(), strict=True)) for one in found}
+    vibrations = sorted(vibration_modes(drivetrain, damped_modes(drivetrain)), key=lambda mode: mode.number)
+    return {mode.number: dict(zip(nodes, mode.shape.tolist(), strict=True)) for mode in vibrations}
