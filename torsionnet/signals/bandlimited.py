@@ -68,8 +68,8 @@ class Gaps:
     around: NDArray[np.intp]
     weights: FloatArray
 
-    def fill(self, found: FloatArray, left: FloatArray) -> None:
-        """Set what is ``left`` between a motion and its values ``found`` at the missing pulses, each (n,) in its unit.
+    def fill(self, values: FloatArray, left: FloatArray) -> None:
+        """Set what is ``left`` between a motion and its values ``values`` at the missing pulses, each (n,) in its unit.
 
         The motion there follows from its values around each gap.
         """
@@ -78,19 +78,19 @@ class Gaps:
             first = self.first[begin : begin + GAPS_PER_CHUNK, None]
             around = first + self.around
             within = first + missing
-            left[within] = (found[around] + left[around]) @ self.weights.T - found[within]
+            left[within] = (values[around] + left[around]) @ self.weights.T - values[within]
 
 
 def gaps_of(numbers: NDArray[np.intp]) -> tuple[Gaps, ...]:
     """Gaps between the numbers of an encoder's pulses by width, those too wide or too near the ends left out."""
     widths = np.diff(numbers) - 1
-    found = []
-    for width in (int(one) for one in np.unique(widths[widths > 0]) if one <= WIDEST_GAP):
+    gaps = []
+    for width in (int(width) for width in np.unique(widths[widths > 0]) if width <= WIDEST_GAP):
         first = numbers[:-1][widths == width] + 1
         first = first[(first >= NEIGHBOURS) & (first + width + NEIGHBOURS <= numbers[-1] + 1)]
         around = np.r_[np.arange(-NEIGHBOURS, 0), np.arange(width, width + NEIGHBOURS)]
-        found.append(Gaps(first, around, _weights(width, around)))
-    return tuple(found)
+        gaps.append(Gaps(first, around, _weights(width, around)))
+    return tuple(gaps)
 
 
 def filled_band(width: int) -> float:
@@ -337,17 +337,17 @@ def _values_at_whole_numbers(
     """
     wide, left = np.empty(len(places) + 2 * KERNEL_HALF_LENGTH), np.empty(len(places))
     before: deque[float] = deque([np.inf], maxlen=REDUCED_OVER)
-    found = wide[KERNEL_HALF_LENGTH:-KERNEL_HALF_LENGTH]
+    values = wide[KERNEL_HALF_LENGTH:-KERNEL_HALF_LENGTH]
     for part in _chunks(len(places)):
-        found[part] = _read_at(places, beyond, part)
+        values[part] = _read_at(places, beyond, part)
     # Values at whole numbers, corrected by what they miss where the pulses stand, which is next to them.
     while True:
         _reflect(wide)
         for part in _chunks(len(places)):
             left[part] = _read_at(places, beyond, part) - _between(wide, places[part])
         for gap in gaps:
-            gap.fill(found, left)
-        found += left
+            gap.fill(values, left)
+        values += left
         lowest, highest = int(left.argmin()), int(left.argmax())
         worst = lowest if -left[lowest] > left[highest] else highest
         size = float(np.abs(left[worst]))
@@ -409,11 +409,11 @@ def _polynomials(slope: bool) -> FloatArray:
     nodes = np.cos(np.pi * (np.arange(POLYNOMIAL_DEGREE + 1) + 0.5) / (POLYNOMIAL_DEGREE + 1))
     offset = nodes[:, None] / 2 - np.arange(-KERNEL_HALF_LENGTH, KERNEL_HALF_LENGTH + 1)
     kernel = np.sinc(offset) * np.exp(-(offset**2) / (2 * KERNEL_VARIANCE))
-    found = np.polynomial.polynomial.polyfit(nodes, kernel, POLYNOMIAL_DEGREE)
+    coefficients = np.polynomial.polynomial.polyfit(nodes, kernel, POLYNOMIAL_DEGREE)
     if slope:
         # Twice, as the powers are of twice the distance.
-        found = 2 * np.polynomial.polynomial.polyder(found)
-    return np.ascontiguousarray(found.T)
+        coefficients = 2 * np.polynomial.polynomial.polyder(coefficients)
+    return np.ascontiguousarray(coefficients.T)
 
 
 def _chunks(count: int) -> Iterator[slice]:

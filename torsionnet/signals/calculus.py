@@ -183,8 +183,9 @@ def without_delay(signal: Signal, delay: float, time: FloatArray) -> Signal:
 
 def without_delays(recording: Recording, delays: Mapping[str, float]) -> Recording:
     """Recording whose signals and pulses are without the delays in s, by the name of their channel."""
-    signals = tuple(without_delay(one, delays.get(one.name, 0.0), recording.time) for one in recording)
+    signals = tuple(without_delay(signal, delays.get(signal.name, 0.0), recording.time) for signal in recording)
     pulses = tuple(
-        replace(one, times=one.times - delays[one.name]) if delays.get(one.name) else one for one in recording.pulses
+        replace(channel, times=channel.times - delays[channel.name]) if delays.get(channel.name) else channel
+        for channel in recording.pulses
     )
     return replace(recording, signals=signals, pulses=pulses)

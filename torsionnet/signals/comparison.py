@@ -46,9 +46,9 @@ def difference(first: FrequencyResponse, second: FrequencyResponse) -> Differenc
 
     Examples
     --------
-    >>> one = FrequencyResponse(np.ones(1), np.full((1, 1, 1), -2j), (Channel("y", "rad"),), (Channel("x", "N*m"),))
-    >>> two = FrequencyResponse(np.ones(1), np.full((1, 1, 1), 1 + 0j), one.outputs, one.inputs)
-    >>> apart = difference(one, two)
+    >>> first = FrequencyResponse(np.ones(1), np.full((1, 1, 1), -2j), (Channel("y", "rad"),), (Channel("x", "N*m"),))
+    >>> second = FrequencyResponse(np.ones(1), np.full((1, 1, 1), 1 + 0j), first.outputs, first.inputs)
+    >>> apart = difference(first, second)
     >>> apart.decibels.round(2).item(), apart.degrees.item()
     (6.02, -90.0)
     """
@@ -81,10 +81,10 @@ def frac(first: FrequencyResponse, second: FrequencyResponse) -> FloatArray:
 
 
 def _check_comparable(first: FrequencyResponse, second: FrequencyResponse) -> None:
-    for what, one, other in (("output", first.outputs, second.outputs), ("input", first.inputs, second.inputs)):
-        if _units(one) != _units(other):
+    for what, own, other in (("output", first.outputs, second.outputs), ("input", first.inputs, second.inputs)):
+        if _units(own) != _units(other):
             raise UsageError(
-                f"the {what}s differ: {_described(one)} against {_described(other)}; compare the same quantities",
+                f"the {what}s differ: {_described(own)} against {_described(other)}; compare the same quantities",
                 kind="unlike-results",
             )
     if first.frequencies.shape != second.frequencies.shape or not np.allclose(

@@ -193,7 +193,7 @@ class _Stream:
         start = self.first.start + self.done * self.factor / self.first.sampling_rate
         self.done += count
         rate, signals = self.first.sampling_rate / self.factor, self.first.signals
-        signals = tuple(one.at_other_rate(one.values, self.first.sampling_rate) for one in signals)
+        signals = tuple(signal.at_other_rate(signal.values, self.first.sampling_rate) for signal in signals)
         template = replace(self.first, signals=signals, sampling_rate=rate, start=start)
         yield _with_values(template, values).with_notes(self._note())
 

@@ -97,8 +97,8 @@ def rotation_of(
     stamps = check_pulses(times)
     if not fill:
         return stamps, Rotation(stamps, np.arange(len(stamps)), steps_per_revolution), ()
-    found = repaired_pulses(stamps, steps_per_revolution)
-    return found.times, Rotation(found.times, found.numbers, steps_per_revolution), found.remarks
+    repaired = repaired_pulses(stamps, steps_per_revolution)
+    return repaired.times, Rotation(repaired.times, repaired.numbers, steps_per_revolution), repaired.remarks
 
 
 # Times of pulses from a recorded channel that holds the output of an encoder.
@@ -221,18 +221,18 @@ def flanks(
     state = np.where(beyond > hysteresis * height, 1, np.where(beyond < -hysteresis * height, -1, 0))
     sure = np.flatnonzero(state)
     changes = np.diff(state[sure])
-    found = []
+    passages = []
     for sign in (1, -1):
         before = sure[np.flatnonzero(sign * changes > 0)]
         passing = np.flatnonzero((sign * beyond[:-1] <= 0) & (sign * beyond[1:] > 0)) + 1
-        found.append(passing[np.searchsorted(passing, before, side="right")] if len(before) else before)
-    if not high > low or len(found[0]) < 2:
+        passages.append(passing[np.searchsorted(passing, before, side="right")] if len(before) else before)
+    if not high > low or len(passages[0]) < 2:
         raise UsageError(
             "there are no pulses: the signal does not rise between two levels at least twice; it lies between "
             f"{low:.4g} and {high:.4g}, and {level:.4g} was taken for the level",
             kind="lost-pulses",
         )
-    spacing = float(np.median(np.diff(found[0])))
+    spacing = float(np.median(np.diff(passages[0])))
     if spacing < LEAST_SAMPLES_PER_PULSE:
         raise UsageError(
             f"there are only {spacing:g} samples from pulse to pulse, {LEAST_SAMPLES_PER_PULSE:g} are needed; "
@@ -241,7 +241,7 @@ def flanks(
         )
     share = _share_on_cubic if inductive else _share_on_line
     rising, falling = (
-        np.asarray(times[after - 1] + share(beyond, after) * (times[after] - times[after - 1])) for after in found
+        np.asarray(times[after - 1] + share(beyond, after) * (times[after] - times[after - 1])) for after in passages
     )
     return rising, falling
 
@@ -265,15 +265,15 @@ def _share_on_cubic(beyond: FloatArray, after: NDArray[np.intp]) -> FloatArray:
     """Share of the sampling interval before each sample ``after`` at which the cubic through four samples passes 0."""
     share = _share_on_line(beyond, after)
     whole = (after >= 2) & (after <= len(beyond) - 2)
-    one, two, three, four = (beyond[after[whole] + shift] for shift in (-2, -1, 0, 1))
+    a, b, c, d = (beyond[after[whole] + shift] for shift in (-2, -1, 0, 1))
     # Lagrange's cubic through samples at -1, 0, 1 and 2, by powers of the share.
-    linear = -one / 3 - two / 2 + three - four / 6
-    square, cube = one / 2 - two + three / 2, (four - one) / 6 + (two - three) / 2
-    found = share[whole]
+    linear = -a / 3 - b / 2 + c - d / 6
+    square, cube = a / 2 - b + c / 2, (d - a) / 6 + (b - c) / 2
+    passage = share[whole]
     # Newton's steps from the straight line's passage, kept within the interval.
     for _ in range(CUBIC_STEPS):
-        slope = linear + found * (2 * square + 3 * cube * found)
-        value = two + found * (linear + found * (square + cube * found))
-        found = np.clip(found - np.where(slope != 0, value / np.where(slope != 0, slope, 1), 0), 0, 1)
-    share[whole] = found
+        slope = linear + passage * (2 * square + 3 * cube * passage)
+        value = b + passage * (linear + passage * (square + cube * passage))
+        passage = np.clip(passage - np.where(slope != 0, value / np.where(slope != 0, slope, 1), 0), 0, 1)
+    share[whole] = passage
     return share

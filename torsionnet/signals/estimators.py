@@ -99,16 +99,16 @@ def estimate(
                 "signals are aligned in one record in memory, an output and an input at a time", kind="wrong-form"
             )
         moved, lag = aligned(measured.select(dict.fromkeys((*outputs, *inputs, *references))), outputs[0], inputs[0])
-        found = estimate(moved, outputs, inputs, estimator, settings, noise_ratio, references, band)
+        of_moved = estimate(moved, outputs, inputs, estimator, settings, noise_ratio, references, band)
         if not lag:
-            return replace(found, notes=(*found.notes, f"no clear lag of {outputs[0]}: nothing is moved"))
+            return replace(of_moved, notes=(*of_moved.notes, f"no clear lag of {outputs[0]}: nothing is moved"))
         # The output was moved earlier by the lag; exp(-j omega lag) puts it back.
-        turned = found.values * np.exp(-2j * np.pi * found.frequencies * lag)[:, None, None]
+        turned = of_moved.values * np.exp(-2j * np.pi * of_moved.frequencies * lag)[:, None, None]
         moves = f"{1e3 * abs(lag):g} ms {'earlier' if lag > 0 else 'later'}"
         note = f"{outputs[0]} {moves} where windows cut the record; the phase of the lag is put back"
         # The record, which has the lag, would contradict a response without its loss.
-        kept = None if found.estimation is None else replace(found.estimation, record=None, aligned=lag)
-        return replace(found, values=turned, notes=(*found.notes, note), estimation=kept)
+        kept = None if of_moved.estimation is None else replace(of_moved.estimation, record=None, aligned=lag)
+        return replace(of_moved, values=turned, notes=(*of_moved.notes, note), estimation=kept)
     watch = ResolutionWatch(outputs, inputs[0], (settings or Welch()).seconds) if inputs else None
     spectra, records = _spectra(measured, (*outputs, *inputs, *references), settings, watch)
     asked = estimator or ("Hr" if references else spectra.settings.estimator) or "H1"
@@ -121,7 +121,7 @@ def estimate(
         values = _values(chosen, s_xx, s_xy, s_yy, noise_ratio)
     driving = [spectra.channels[i] for i in spectra.indices(inputs)]
     # The vibration of a torque that is held or straight is less than that of its samples.
-    shares = np.stack([one.course.share(spectra.frequencies) for one in driving if one.course], axis=1)
+    shares = np.stack([channel.course.share(spectra.frequencies) for channel in driving if channel.course], axis=1)
     response = FrequencyResponse(
         frequencies=spectra.frequencies,
         values=values / shares[:, None, :],
@@ -139,8 +139,10 @@ def estimate(
     inside = (spectra.frequencies >= low) & (spectra.frequencies <= high)
     warnings = (*_spectra_warnings(spectra, s_xx, inside), *_reference_warnings(spectra, inputs, references))
     top = float(response.frequencies[-1]) if len(response.frequencies) else 0.0
-    courses = [(one.name, one.course) for one in driving if one.course and not one.course.is_band_limited]
-    remarks = filter(None, (course_remark(*one, top) for one in courses))
+    courses = [
+        (channel.name, channel.course) for channel in driving if channel.course and not channel.course.is_band_limited
+    ]
+    remarks = filter(None, (course_remark(*pair, top) for pair in courses))
     lags = lag_warnings(records[1], outputs, inputs[0], spectra.settings) if records and len(inputs) == 1 else []
     return replace(response, notes=(*response.notes, *remarks, *lags, *warnings, *peaks))
 
@@ -185,8 +187,8 @@ def _origin(
     inputs: tuple[str, ...],
     records: tuple[Recording, Recording] | None,
 ) -> Estimation:
-    found = averaging_data(estimator, spectra)
-    return with_record(found, outputs, inputs[0], *records) if records and len(inputs) == 1 else found
+    estimation = averaging_data(estimator, spectra)
+    return with_record(estimation, outputs, inputs[0], *records) if records and len(inputs) == 1 else estimation
 
 
 def _check(
@@ -252,16 +254,16 @@ def _provenance(estimator: str, spectra: CrossSpectra, noise_ratio: float | None
 
 
 def _spectra_warnings(spectra: CrossSpectra, s_xx: ComplexArray, asked: NDArray[np.bool_]) -> list[Note]:
-    found = []
+    remarks = []
     if spectra.averages == 1:
-        found.append(warning("of one segment the coherence is 1 whatever the signals; use a longer record"))
+        remarks.append(warning("of one segment the coherence is 1 whatever the signals; use a longer record"))
     inseparable = spectra.frequencies[asked & (transfer_matrices.independence(s_xx) < INSEPARABLE_EIGENVALUE)]
     if s_xx.shape[1] > 1 and len(inseparable):
         span = f"{len(inseparable)} frequencies from {inseparable[0]:g} to {inseparable[-1]:g} Hz"
-        found.append(
+        remarks.append(
             warning(f"the inputs are all but proportional at {span}; their effects cannot be told apart there")
         )
-    return found
+    return remarks
 
 
 def _reference_warnings(spectra: CrossSpectra, inputs: Sequence[str], references: Sequence[str]) -> list[Note]:
@@ -370,7 +372,9 @@ def _sines(recording: Recording, step: Step, settling: float) -> ComplexArray:
 
 def _response(recording: Recording, frequencies: FloatArray, lines: ComplexArray, note: str) -> FrequencyResponse:
     courses = (signal.course(recording.sampling_rate) for signal in recording)
-    *outputs, into = (Channel(one.name, one.unit, course) for one, course in zip(recording, courses, strict=True))
+    *outputs, into = (
+        Channel(signal.name, signal.unit, course) for signal, course in zip(recording, courses, strict=True)
+    )
     assert into.course is not None
     driven = lines[:, -1] * into.course.share(frequencies)
     remark = "" if into.course.is_band_limited else course_remark(into.name, into.course, float(frequencies.max()))

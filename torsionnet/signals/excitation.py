@@ -355,7 +355,7 @@ class LoadCycles(Excitation):
         return max(self.frequencies)
 
     def _alternating(self, time: FloatArray, sampling_rate: float) -> FloatArray:  # noqa: ARG002
-        found, start = np.full(len(time), self.means[-1] / self.amplitude), 0.0
+        signal, start = np.full(len(time), self.means[-1] / self.amplitude), 0.0
         for before, mean, level, frequency in self._pieces:
             end = start + (self.cycles if level else 1) / frequency
             here = (time >= start) & (time < end)
@@ -364,9 +364,9 @@ class LoadCycles(Excitation):
             if self.shape == "triangle":
                 course = 2 / np.pi * np.arcsin(course)
             ramp = (1 - np.cos(np.pi * turns)) / 2 if mean != before else 1.0
-            found[here] = (before + (mean - before) * ramp) / self.amplitude + level * course
+            signal[here] = (before + (mean - before) * ramp) / self.amplitude + level * course
             start = end
-        return found
+        return signal
 
 
 # Broadband test signals to excite a drivetrain with, periodic multisines and bursts of noise.

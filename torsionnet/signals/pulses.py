@@ -62,8 +62,10 @@ def _next(times: FloatArray, place: int, level: float) -> tuple[int, float]:
     """Index of the pulse nearest to one usual interval later, and the logarithm of its interval over the usual."""
     due = times[place] + level
     near = int(np.searchsorted(times, due))
-    found = min((one for one in (near - 1, near) if place < one < len(times)), key=lambda one: abs(times[one] - due))
-    return found, _misfit(times[found] - times[place], level)
+    nearest = min(
+        (pulse for pulse in (near - 1, near) if place < pulse < len(times)), key=lambda pulse: abs(times[pulse] - due)
+    )
+    return nearest, _misfit(times[nearest] - times[place], level)
 
 
 def _misfit(interval: float, level: float) -> float:
@@ -144,21 +146,21 @@ class Pulses:
     @property
     def remarks(self) -> tuple[str, ...]:
         """Remarks on repairs of encoder pulses, with time in s and number of the pulses, as sentences."""
-        found = []
+        remarks = []
         if len(self.spurious):
             where = comma_list(
                 [f"pulse {n} at {t:.6g} s" for n, t in zip(self.spurious, self.left_out, strict=True)],
                 MOST_LISTED_PULSES,
             )
-            found.append(f"{_count(len(self.spurious))} too many left out: {where}")
+            remarks.append(f"{_count(len(self.spurious))} too many left out: {where}")
         lost = self.irregular
         if lost.total:
             where = comma_list(
                 [f"{c} after pulse {n} at {self.times[n]:.6g} s" for n, c in zip(lost.after, lost.counts, strict=True)],
                 MOST_LISTED_PULSES,
             )
-            found.append(f"{_count(lost.total)} missing and counted: {where}")
-        return tuple(found)
+            remarks.append(f"{_count(lost.total)} missing and counted: {where}")
+        return tuple(remarks)
 
     @property
     def irregular(self) -> MissingPulses:
@@ -218,10 +220,10 @@ def repaired_pulses(times: ArrayLike, steps_per_revolution: float = 0.0) -> Puls
 
     Examples
     --------
-    >>> found = repaired_pulses([0.0, 1.0, 2.0, 2.1, 3.0, 4.0, 6.0, 7.0, 8.0, 9.0])
-    >>> found.numbers.tolist()
+    >>> pulses = repaired_pulses([0.0, 1.0, 2.0, 2.1, 3.0, 4.0, 6.0, 7.0, 8.0, 9.0])
+    >>> pulses.numbers.tolist()
     [0, 1, 2, 3, 4, 6, 7, 8, 9]
-    >>> found.remarks
+    >>> pulses.remarks
     ('1 pulse too many left out: pulse 3 at 2.1 s', '1 pulse missing and counted: 1 after pulse 4 at 4 s')
     """
     stamps = check_pulses(times)
@@ -230,27 +232,27 @@ def repaired_pulses(times: ArrayLike, steps_per_revolution: float = 0.0) -> Puls
     none = np.empty(0, np.intp)
     as_they_are = Pulses(stamps, whole, none, MissingPulses(none, none), np.empty(0))
     try:
-        found = _repaired(stamps, steps_per_revolution)
+        pulses = _repaired(stamps, steps_per_revolution)
     except UsageError:
         if beyond < MOST_BEYOND_BAND:
             return as_they_are
         raise
     # Repairs have to make the rotation smoother than vibration alone explains it, or the pulses stay as they are.
-    if found.missing.total + len(found.spurious) and beyond < MOST_BEYOND_BAND:
-        repaired = rotation_beyond_band(found.times, found.numbers, steps_per_revolution or USUAL_STEPS)
+    if pulses.missing.total + len(pulses.spurious) and beyond < MOST_BEYOND_BAND:
+        repaired = rotation_beyond_band(pulses.times, pulses.numbers, steps_per_revolution or USUAL_STEPS)
         if beyond <= repaired:
             return as_they_are
-    lost = found.irregular
+    lost = pulses.irregular
     if (
-        lost.total + len(found.spurious) > MOST_REPAIRED * len(stamps)
-        and len(lost.after) + len(found.spurious) > FEWEST_GAPS
+        lost.total + len(pulses.spurious) > MOST_REPAIRED * len(stamps)
+        and len(lost.after) + len(pulses.spurious) > FEWEST_GAPS
     ):
         raise UsageError(
-            f"{len(found.spurious)} pulses would be too many and {lost.total} missing of {len(stamps)}: these are no "
-            f"faults of single pulses{both_flanks(stamps)}{_gaps_in_words(found)}; check the wheel and its pickup",
+            f"{len(pulses.spurious)} pulses would be too many and {lost.total} missing of {len(stamps)}: these are no "
+            f"faults of single pulses{both_flanks(stamps)}{_gaps_in_words(pulses)}; check the wheel and its pickup",
             kind="unfit-wheel",
         )
-    return found
+    return pulses
 
 
 def _beyond_band_as_they_are(times: FloatArray, steps: float) -> float:

@@ -434,8 +434,8 @@ class Recording(NotebookResult):
         >>> t = np.arange(0, 20, 0.002)
         >>> twist = np.where(t < 10, 0.05, 0.2) * np.sin(10 * t)
         >>> record = Recording((Signal("T", "torque", 460 * twist + 3000 * twist**3), Signal("g", "angle", twist)), 500)
-        >>> found = record.stepped_stiffness("T", "g")
-        >>> found.amplitudes.round(4).tolist(), found.stiffness.real.round(2).tolist()
+        >>> steps = record.stepped_stiffness("T", "g")
+        >>> steps.amplitudes.round(4).tolist(), steps.stiffness.real.round(2).tolist()
         ([0.05, 0.2], [465.62, 550.0])
         """
         from torsionnet.signals.stepped_levels import stepped_stiffness

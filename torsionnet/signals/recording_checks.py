@@ -93,15 +93,15 @@ def repeated_blocks(values: FloatArray, sampling_rate: float, step: float = 0.0)
     if len(values) < 3 * least:
         return []
     plain = np.ascontiguousarray(values, dtype=np.float64) + 0.0  # -0.0 becomes 0.0
-    found = [
+    blocks = [
         block
         for block in _maximal(plain, least // 2)
         if block.count >= least and least <= block.first - block.source and _tells_enough(plain, block)
     ]
-    if sum(block.count for block in found) > MOST_REPEATED_SHARE * len(plain):
+    if sum(block.count for block in blocks) > MOST_REPEATED_SHARE * len(plain):
         return []
     chosen: list[RepeatedBlock] = []
-    for block in sorted(found, key=lambda block: (block.first, block.source)):
+    for block in sorted(blocks, key=lambda block: (block.first, block.source)):
         is_new = not chosen or block.first >= chosen[-1].first + chosen[-1].count
         if is_new and _is_single(plain, block, least) and _is_measured(plain, block, step):
             chosen.append(block)
@@ -160,11 +160,11 @@ def _powers(base: int, count: int) -> WholeArray:
     return np.cumprod(factors, dtype=np.uint64)
 
 
-def _equal(one: FloatArray, other: FloatArray) -> int:
+def _equal(first: FloatArray, other: FloatArray) -> int:
     """Number of equal samples at the beginning of two arrays, up to the first that differs."""
-    most, begin, size = min(len(one), len(other)), 0, 256
+    most, begin, size = min(len(first), len(other)), 0, 256
     while begin < most:
-        unlike = np.flatnonzero(one[begin : min(begin + size, most)] != other[begin : min(begin + size, most)])
+        unlike = np.flatnonzero(first[begin : min(begin + size, most)] != other[begin : min(begin + size, most)])
         if len(unlike):
             return begin + int(unlike[0])
         begin, size = begin + size, 2 * size
@@ -251,16 +251,16 @@ def check_recording(
 [too-short]
     channels.T_T: warning: constant at 1 N*m: the sensor may be dead, or not connected [disturbed-signal]
     """
-    found = [*_names(recording), *_length(recording, seconds), *_times(recording)]
+    faults = [*_names(recording), *_length(recording, seconds), *_times(recording)]
     untold = {signal.name: "" for signal in recording if not signal.quantity}
-    found += [untold_quantities(untold)] if untold else []
+    faults += [untold_quantities(untold)] if untold else []
     for signal in recording:
-        found += [fault.under("channels", signal.name) for fault in _signal(signal, recording, ranges or {})]
+        faults += [fault.under("channels", signal.name) for fault in _signal(signal, recording, ranges or {})]
     for channel in recording.pulses:
         if len(channel) > 1:
-            found += [replace(fault, path=("channels", channel.name)) for fault in _pulses(channel.times)]
+            faults += [replace(fault, path=("channels", channel.name)) for fault in _pulses(channel.times)]
     order = ("error", "warning", "note")
-    return tuple(sorted(found, key=lambda fault: order.index(fault.severity)))
+    return tuple(sorted(faults, key=lambda fault: order.index(fault.severity)))
 
 
 def _names(recording: Recording) -> Iterator[Fault]:
@@ -295,10 +295,10 @@ def _times(recording: Recording) -> Iterator[Fault]:
     if any(_counts_steps(signal) for signal in recording):
         yield from _pulses(times)
         return
-    found = gaps(times)
-    if len(found):
-        where = comma_list([f"{times[at + 1] - times[at]:.4g} s after {times[at]:.6g} s" for at in found], MOST_LISTED)
-        text = f"{len(found)} gap{'s' * (len(found) > 1)} in the time stamps: {where}"
+    breaks = gaps(times)
+    if len(breaks):
+        where = comma_list([f"{times[at + 1] - times[at]:.4g} s after {times[at]:.6g} s" for at in breaks], MOST_LISTED)
+        text = f"{len(breaks)} gap{'s' * (len(breaks) > 1)} in the time stamps: {where}"
         yield Fault(f"{text}; cut the record there", ("time",), kind="uneven-samples")
     spread = jitter(times)
     if spread > MOST_JITTER:
@@ -316,19 +316,19 @@ def _counts_steps(signal: Signal) -> bool:
 
 def _pulses(times: FloatArray) -> Iterator[Fault]:
     try:
-        found = repaired_pulses(times)
+        pulses = repaired_pulses(times)
     except UsageError as error:
         yield error.fault.under("time")
         return
-    lost = found.irregular
+    lost = pulses.irregular
     if lost.total:
-        after = zip(found.times[lost.after], lost.counts, strict=True)
+        after = zip(pulses.times[lost.after], lost.counts, strict=True)
         where = comma_list([f"{count} after {time:.6g} s" for time, count in after], MOST_LISTED)
         text = f"{lost.total} encoder pulses are missing: {where}; {remedy('angle_from_pulses()')} counts them"
         yield Fault(text, ("time",), kind="lost-pulses")
-    if len(found.left_out):
-        where = comma_list([f"{time:.6g} s" for time in found.left_out], MOST_LISTED)
-        text = f"{len(found.left_out)} encoder pulses too many: at {where}"
+    if len(pulses.left_out):
+        where = comma_list([f"{time:.6g} s" for time in pulses.left_out], MOST_LISTED)
+        text = f"{len(pulses.left_out)} encoder pulses too many: at {where}"
         yield Fault(f"{text}; {remedy('angle_from_pulses()')} leaves them out", ("time",), kind="lost-pulses")
 
 
@@ -361,9 +361,9 @@ def _signal(signal: Signal, recording: Recording, ranges: Mapping[str, float]) -
             yield from _returning(signal, recording.sampling_rate)
 
 
-def _not_finite(found: Stretches, recording: Recording) -> Fault:
-    count = sum(last - first + 1 for first, last in found)
-    where = comma_list([_time_span(first, last, recording) for first, last in found], MOST_LISTED)
+def _not_finite(stretches: Stretches, recording: Recording) -> Fault:
+    count = sum(last - first + 1 for first, last in stretches)
+    where = comma_list([_time_span(first, last, recording) for first, last in stretches], MOST_LISTED)
     return Fault(
         f"{count} value{'s' * (count > 1)} NaN or infinite: {where}; cut them out or mend the record", kind="not-finite"
     )
@@ -371,11 +371,11 @@ def _not_finite(found: Stretches, recording: Recording) -> Fault:
 
 def _limits(signal: Signal, recording: Recording, limit: float | None) -> Iterator[Fault]:
     values = signal.values
-    found = true_stretches(np.abs(values) >= limit) if limit is not None else flat_tops(values)
-    if found:
-        count = sum(last - first + 1 for first, last in found)
-        where = comma_list([_time_span(first, last, recording) for first, last in found], MOST_LISTED)
-        at = float(np.abs(values[found[0][0]]))
+    stretches = true_stretches(np.abs(values) >= limit) if limit is not None else flat_tops(values)
+    if stretches:
+        count = sum(last - first + 1 for first, last in stretches)
+        where = comma_list([_time_span(first, last, recording) for first, last in stretches], MOST_LISTED)
+        at = float(np.abs(values[stretches[0][0]]))
         yield Fault(
             f"clipped: {count} samples at the range of {at:.6g} {signal.unit}, {where}; take a larger range",
             kind="disturbed-signal",
@@ -385,12 +385,12 @@ def _limits(signal: Signal, recording: Recording, limit: float | None) -> Iterat
 def _disturbed(signal: Signal, recording: Recording) -> Iterator[Fault]:
     """Yield the faults of a signal by spikes, stretches that stand still, and repeated blocks."""
     step = step_of(signal.values)
-    found = spikes(signal.values, step)
-    if len(found):
+    outliers = spikes(signal.values, step)
+    if len(outliers):
         where = comma_list(
-            [f"{signal.values[at]:.6g} {signal.unit} at {recording.time[at]:.6g} s" for at in found], MOST_LISTED
+            [f"{signal.values[at]:.6g} {signal.unit} at {recording.time[at]:.6g} s" for at in outliers], MOST_LISTED
         )
-        text = f"{len(found)} single sample{'s' * (len(found) > 1)} far from those around: {where}"
+        text = f"{len(outliers)} single sample{'s' * (len(outliers) > 1)} far from those around: {where}"
         yield Fault(f"{text}; a disturbance, to be mended or cut out", (), "warning", kind="disturbed-signal")
     still = frozen_stretches(signal.values, recording.sampling_rate, step)
     if still:
@@ -420,9 +420,9 @@ def _returning(signal: Signal, rate: float) -> Iterator[Fault]:
     if len(signal.values) < 2:  # no difference, no speed
         return
     speeds = signal.values if signal.quantity == "velocity" else np.gradient(signal.values) * rate
-    found = turn_pattern(speeds, rate)
-    if found is not None:
-        yield Fault(found.words(), (), "warning" if found.constant else "note")
+    pattern = turn_pattern(speeds, rate)
+    if pattern is not None:
+        yield Fault(pattern.words(), (), "warning" if pattern.constant else "note")
 
 
 def _jumps(signal: Signal, recording: Recording) -> Iterator[Fault]:
@@ -433,9 +433,9 @@ def _jumps(signal: Signal, recording: Recording) -> Iterator[Fault]:
         )
         yield Fault(f"{text}; {remedy('unwrapped()')} removes them", kind="wrapped-count")
         return
-    found = encoder_leaps(signal.values)
-    if len(found):
-        where = comma_list([f"{recording.time[at]:.6g} s" for at in found], MOST_LISTED)
+    leaps = encoder_leaps(signal.values)
+    if len(leaps):
+        where = comma_list([f"{recording.time[at]:.6g} s" for at in leaps], MOST_LISTED)
         yield Fault(
             f"the angle leaps by encoder steps at {where}: pulses are missing or too many",
             (),

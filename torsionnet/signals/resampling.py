@@ -140,8 +140,8 @@ def interpolated_at(values: FloatArray, rate: float, start: float, times: FloatA
     --------
     >>> slow = np.sin(2 * np.pi * 3 * np.arange(400) / 100)
     >>> times = 1.0 + np.arange(5) / 1000
-    >>> found = interpolated_at(slow, 100.0, 0.0, times, 1000.0)
-    >>> bool(np.abs(found - np.sin(2 * np.pi * 3 * times)).max() < 1e-4)
+    >>> slow_again = interpolated_at(slow, 100.0, 0.0, times, 1000.0)
+    >>> bool(np.abs(slow_again - np.sin(2 * np.pi * 3 * times)).max() < 1e-4)
     True
     """
     from scipy.signal import kaiser_beta, kaiserord
@@ -153,7 +153,7 @@ def interpolated_at(values: FloatArray, rate: float, start: float, times: FloatA
     cutoff = (1 + VALID_SHARE) / 2 * lower / rate
     wide = _reflected(np.asarray(values, dtype=np.float64), half)
     places = (np.asarray(times, dtype=np.float64) - start) * rate
-    found = np.empty(len(places))
+    interpolated = np.empty(len(places))
     shifts = np.arange(-half, half + 1)
     for begin in range(0, len(places), max(1, VALUES_PER_CHUNK // len(shifts))):
         part = slice(begin, begin + max(1, VALUES_PER_CHUNK // len(shifts)))
@@ -163,8 +163,8 @@ def interpolated_at(values: FloatArray, rate: float, start: float, times: FloatA
         weights = np.sinc(cutoff * away) * np.i0(beta * inside)
         # Of sum 1, so that a constant stays what it is.
         weights /= weights.sum(axis=1, keepdims=True)
-        found[part] = np.einsum("ij,ij->i", weights, wide[whole[:, None] + shifts + half])
-    return found
+        interpolated[part] = np.einsum("ij,ij->i", weights, wide[whole[:, None] + shifts + half])
+    return interpolated
 
 
 def band_loss(values: FloatArray, rate: float, new_rate: float) -> str:
@@ -279,8 +279,8 @@ def _check(recording: Recording, rate: float, bridge_gaps: bool) -> None:
             f"cannot resample {', '.join(broken)}: some values are not finite; cut them out or mend them first",
             kind="not-finite",
         )
-    found = gaps(recording.time)
-    if len(found) and not bridge_gaps:
-        where = ", ".join(f"{recording.time[at]:.6g} s" for at in found[:3])
-        text = f"cannot resample across {len(found)} gaps (after {where}); cut the record there, or take "
+    breaks = gaps(recording.time)
+    if len(breaks) and not bridge_gaps:
+        where = ", ".join(f"{recording.time[at]:.6g} s" for at in breaks[:3])
+        text = f"cannot resample across {len(breaks)} gaps (after {where}); cut the record there, or take "
         raise UsageError(f"{text}{remedy('bridge_gaps=True')}", kind="uneven-samples")

@@ -185,7 +185,7 @@ class _Total:
         return CrossSpectra(
             frequencies=np.asarray(np.fft.rfftfreq(length, 1 / rate)[kept], dtype=np.float64),
             matrix=(self.sum * scale[:, None, None])[kept],
-            channels=tuple(Channel(one.name, one.unit, one.course(rate)) for one in self.first),
+            channels=tuple(Channel(signal.name, signal.unit, signal.course(rate)) for signal in self.first),
             averages=count,
             effective_averages=sum(effective_averages(self.weights, self.step, run) for run in self.runs if run),
             settings=self.settings,

@@ -129,14 +129,14 @@ class SteppedStiffness(NotebookResult):
         from torsionnet.base.errors import unknown_name
         from torsionnet.model.motion_laws.element_stiffness import element_stiffness
 
-        elements = {name: one for name, one in drivetrain.elements.items() if one.enabled}
+        elements = {name: part for name, part in drivetrain.elements.items() if part.enabled}
         if element not in elements:
             raise UsageError(unknown_name("element", element, list(elements)))
         rows = zip(self.amplitudes, self.mean_twists, self.mean_torques, 2 * np.pi * self.frequencies, strict=True)
-        found = [
+        stiffnesses = [
             element_stiffness(elements[element], drivetrain.exact_values, *map(float, row)).stiffness for row in rows
         ]
-        return np.array(found)
+        return np.array(stiffnesses)
 
     def table(self) -> Table:
         """Table with a row for each step."""
@@ -194,8 +194,8 @@ class SteppedStiffness(NotebookResult):
 
 def _quotient(above: FloatArray, below: FloatArray) -> FloatArray:
     """Quotient of two arrays, nan where the second is zero, as the stiffness within a gap."""
-    found: FloatArray = np.divide(above, below, out=np.full(len(below), np.nan), where=below != 0)
-    return found
+    quotient: FloatArray = np.divide(above, below, out=np.full(len(below), np.nan), where=below != 0)
+    return quotient
 
 
 def stepped_stiffness(
@@ -207,8 +207,10 @@ def stepped_stiffness(
     """
     if not (np.isfinite(torque).all() and np.isfinite(twist).all()):
         raise UsageError("torque and twist have samples without a value", kind="not-finite")
-    found = [_harmonics(torque[a:b], twist[a:b], rate, sampling_rate) for a, b, rate in _steps(twist, sampling_rate)]
-    rows = [one for one in found if one is not None]
+    harmonics = [
+        _harmonics(torque[a:b], twist[a:b], rate, sampling_rate) for a, b, rate in _steps(twist, sampling_rate)
+    ]
+    rows = [row for row in harmonics if row is not None]
     if not rows:
         raise UsageError(
             f"the twist holds no frequency and no amplitude for {FEWEST_CYCLES} cycles; a stepped sine does",
@@ -226,11 +228,11 @@ def _steps(angle: FloatArray, sampling_rate: float) -> list[tuple[int, int, floa
     tops = [place for place, is_top in _reversals(angle) if is_top]
     cycles = [(a, b, float(np.ptp(angle[a:b]))) for a, b in pairwise(tops) if b > a + 4]
     groups: list[list[tuple[int, int, float]]] = []
-    for one in cycles:
-        if groups and one[0] == groups[-1][-1][1] and _alike(one, groups[-1]):
-            groups[-1].append(one)
+    for cycle in cycles:
+        if groups and cycle[0] == groups[-1][-1][1] and _alike(cycle, groups[-1]):
+            groups[-1].append(cycle)
         else:
-            groups.append([one])
+            groups.append([cycle])
     steps = []
     for group in groups:
         if len(group) >= FEWEST_CYCLES:
@@ -239,11 +241,13 @@ def _steps(angle: FloatArray, sampling_rate: float) -> list[tuple[int, int, floa
     return steps
 
 
-def _alike(one: tuple[int, int, float], group: Sequence[tuple[int, int, float]]) -> bool:
+def _alike(cycle: tuple[int, int, float], group: Sequence[tuple[int, int, float]]) -> bool:
     # A transient fades, so that a cycle is like the one before rather than like the first.
     a, b, swing = group[-1]
     period = (group[-1][1] - group[0][0]) / len(group)
-    return abs(one[2] / swing - 1) <= SAME_SWING and abs((one[1] - one[0]) / period - 1) <= SAME_PERIOD + 2 / (b - a)
+    return abs(cycle[2] / swing - 1) <= SAME_SWING and abs((cycle[1] - cycle[0]) / period - 1) <= SAME_PERIOD + 2 / (
+        b - a
+    )
 
 
 def _reversals(angle: FloatArray) -> list[tuple[int, bool]]:
@@ -251,7 +255,7 @@ def _reversals(angle: FloatArray) -> list[tuple[int, bool]]:
     # Third differences of a sine that is sampled well are small, those of white noise are sqrt(20) of it.
     noise = float(np.median(np.abs(np.diff(angle, 3)))) / 0.6745 / np.sqrt(20) if len(angle) > 3 else 0.0
     least = max(NOISE_SWINGS * noise, 1e-4 * float(np.ptp(angle)))
-    found: list[tuple[int, bool]] = []
+    reversals: list[tuple[int, bool]] = []
     top = bottom = 0
     rising: bool | None = None
     # An extreme is one once the twist has come back from it by more than noise does.
@@ -259,12 +263,12 @@ def _reversals(angle: FloatArray) -> list[tuple[int, bool]]:
         top = place if angle[place] > angle[top] else top
         bottom = place if angle[place] < angle[bottom] else bottom
         if rising is not False and angle[top] - angle[place] > least:
-            found.append((top, True))
+            reversals.append((top, True))
             rising, bottom = False, place
         elif rising is not True and angle[place] - angle[bottom] > least:
-            found.append((bottom, False))
+            reversals.append((bottom, False))
             rising, top = True, place
-    return found
+    return reversals
 
 
 def _harmonics(

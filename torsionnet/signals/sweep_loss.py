@@ -75,8 +75,8 @@ def sweep_loss(rate: float, natural: float, ratio: float) -> SweepLoss:
 
     Examples
     --------
-    >>> found = sweep_loss(10.0, 20.0, 0.02)
-    >>> round(found.loss, 2), round(found.shift, 2)
+    >>> loss = sweep_loss(10.0, 20.0, 0.02)
+    >>> round(loss.loss, 2), round(loss.shift, 2)
     (0.43, 0.11)
     """
     # d omega/dt over (zeta omega_0)^2: half bandwidths passed in the time 1/(zeta omega_0) in which a mode settles.
@@ -104,7 +104,7 @@ def sweep_remarks(times: FloatArray, speeds: FloatArray, orders: Sequence[float]
     """
     if len(times) < 2:
         return ()
-    found = []
+    remarks = []
     for order in orders:
         frequency = order * speeds / (2 * math.pi)
         for natural, ratio in zip(modes.damped_frequencies.tolist(), modes.damping_ratios.tolist(), strict=True):
@@ -118,10 +118,10 @@ def sweep_remarks(times: FloatArray, speeds: FloatArray, orders: Sequence[float]
                 for at in crossed.tolist()
                 if (rate := _rate(times, frequency, at))
             ]
-            worst = max(losses, key=lambda one: one[0].loss, default=None)
+            worst = max(losses, key=lambda pair: pair[0].loss, default=None)
             if worst is not None and worst[0].loss >= LEAST_LOSS:
                 rpm = natural * 2 * math.pi / order * RPM
-                found.append(
+                remarks.append(
                     phrase(
                         "order {order:g} passed {frequency:.4g} Hz (damping ratio {ratio:.3g}, {speed:.4g} rpm) at "
                         "{rate:.3g} Hz/s: the model's steady peak loses {loss:.2g} % and moves by {shift:+.2g} % in "
@@ -135,7 +135,7 @@ def sweep_remarks(times: FloatArray, speeds: FloatArray, orders: Sequence[float]
                         shift=100 * worst[0].shift,
                     )
                 )
-    return tuple(found)
+    return tuple(remarks)
 
 
 def _rate(times: FloatArray, frequency: FloatArray, at: int) -> float:

@@ -42,8 +42,8 @@ def significant_peaks(magnitude: FloatArray) -> list[int]:
     with np.errstate(divide="ignore", invalid="ignore"):
         level = 20 * np.log10(np.nan_to_num(magnitude))
     level = np.maximum(level, level.max() - 200)
-    found, _ = find_peaks(level, height=level.max() - PEAK_RANGE, prominence=PEAK_PROMINENCE)
-    return [int(place) for place in found]
+    places, _ = find_peaks(level, height=level.max() - PEAK_RANGE, prominence=PEAK_PROMINENCE)
+    return [int(place) for place in places]
 
 
 def is_coherent(response: FrequencyResponse, output: int, least: float = LEAST_COHERENCE) -> NDArray[np.bool_]:
@@ -91,17 +91,17 @@ def peak_warnings(response: FrequencyResponse, bin_width: float, *, judge_cohere
     inputs, ordinary coherence is low for reasons other than noise: set ``judge_coherence`` to False. Peaks above the
     frequency up to which the response can be used or is more than noise are ignored.
     """
-    found: list[Note] = []
+    notes: list[Note] = []
     for o, output in enumerate(response.outputs):
         meant = response.between(0, above_noise_up_to(response, o))
         for i, into in enumerate(response.inputs):
             coherence = meant.coherence[:, o, i] if meant.coherence is not None and judge_coherence else None
             magnitude = meant.magnitude[:, o, i]
-            found += (
+            notes += (
                 warning(f"{output.name}/{into.name} {text}")
                 for text in _peak_remarks(meant.frequencies, magnitude, coherence, bin_width)
             )
-    return tuple(found)
+    return tuple(notes)
 
 
 def _peak_remarks(
@@ -253,8 +253,8 @@ def resolution(recording: Recording, output: str, input: str, seconds: float = 2
     >>> sine = np.sin(2 * np.pi * (1 + 0.25 * time) * time)
     >>> angle = 0.1 * np.round(sine / (1 + 0.25 * time) ** 2 / 0.1)
     >>> record = Recording((Signal("T", "torque", sine), Signal("phi", "angle", angle)), sampling_rate=1000)
-    >>> found = resolution(record, "phi", "T")
-    >>> round(found.step, 6), 1.5 < found.enough_up_to < 3, 5 < found.lost_above < 8
+    >>> limit = resolution(record, "phi", "T")
+    >>> round(limit.step, 6), 1.5 < limit.enough_up_to < 3, 5 < limit.lost_above < 8
     (0.1, True, True)
     """
     watch = ResolutionWatch((output,), input, seconds)
@@ -274,20 +274,20 @@ def with_resolution_limit(
     if decimation > 1:
         limits.append(VALID_SHARE * float(response.frequencies[-1]))
     for channel in response.outputs:
-        found = watch.resolution_of(channel.name)
-        if found is not None and np.isfinite(found.enough_up_to):
-            limits.append(found.enough_up_to)
-            notes += [_remark(channel, found)] if found.enough_up_to < highest else []
+        limit = watch.resolution_of(channel.name)
+        if limit is not None and np.isfinite(limit.enough_up_to):
+            limits.append(limit.enough_up_to)
+            notes += [_remark(channel, limit)] if limit.enough_up_to < highest else []
     if not limits:
         return response
     return replace(response, notes=(*response.notes, *notes), usable_up_to=min(limits))
 
 
-def _remark(channel: Channel, found: Resolution) -> Note:
-    step = f"{np.degrees(found.step):.4g} deg" if channel.unit == "rad" else f"{found.step:.4g} {channel.unit}"
-    lost = f", under half a step from {found.lost_above:.3g} Hz" if np.isfinite(found.lost_above) else ""
+def _remark(channel: Channel, limit: Resolution) -> Note:
+    step = f"{np.degrees(limit.step):.4g} deg" if channel.unit == "rad" else f"{limit.step:.4g} {channel.unit}"
+    lost = f", under half a step from {limit.lost_above:.3g} Hz" if np.isfinite(limit.lost_above) else ""
     return warning(
-        f"{channel.name} moves by less than {ENOUGH_STEPS:g} steps of {step} above {found.enough_up_to:.3g} Hz"
+        f"{channel.name} moves by less than {ENOUGH_STEPS:g} steps of {step} above {limit.enough_up_to:.3g} Hz"
         f"{lost}: its size is biased there, then lost; use a finer sensor or more torque"
     )
 
@@ -397,12 +397,12 @@ def random_errors(
             f"{spectra.effective_averages:.1f} effective averages cannot tell {len(inputs)} inputs from noise",
             kind="too-short",
         )
-    backward, found = np.linalg.pinv(s_rx), hr(s_rx, s_ry)
+    backward, estimated = np.linalg.pinv(s_rx), hr(s_rx, s_ry)
     alone = np.einsum("fir,frs,fis->fi", backward, spectra.between(references, references), backward.conj()).real
     # What the inputs leave of the output, passed back through the references, over twice the free averages.
-    squared = unexplained_spectra(found, s_xx, s_xy, s_yy)[:, :, None] * alone[:, None, :] / (2 * free)
+    squared = unexplained_spectra(estimated, s_xx, s_xy, s_yy)[:, :, None] * alone[:, None, :] / (2 * free)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return _of_relative(np.sqrt(squared) / np.abs(found))
+        return _of_relative(np.sqrt(squared) / np.abs(estimated))
 
 
 def _of_relative(relative: FloatArray) -> RandomError:

@@ -135,7 +135,7 @@ def frozen_stretches(values: FloatArray, sampling_rate: float, step: float = 0.0
     long = [int(run) for run in np.flatnonzero(lengths >= least) if 0 < run < len(lengths) - 1]
     levels = Counter(float(values[firsts[run]]) for run in long)
     rest = {0.0, float(values[0])}
-    found = []
+    stretches = []
     for run in long:
         first, last = int(firsts[run]), int(firsts[run] + lengths[run]) - 1
         level = float(values[first])
@@ -150,8 +150,8 @@ def frozen_stretches(values: FloatArray, sampling_rate: float, step: float = 0.0
         sides = values[firsts[before.start] : first + 1], values[last + 1 : int(firsts[after][-1]) + 1]
         moves = np.ptp(np.concatenate(sides)) >= LEAST_RANGE_STEPS * step
         if moves and (is_rough(sides) or jumps_away(sides, values[last + 1] - level)):
-            found.append((first, last))
-    return found
+            stretches.append((first, last))
+    return stretches
 
 
 def is_rough(sides: tuple[FloatArray, FloatArray]) -> bool:
@@ -214,15 +214,15 @@ def spikes(values: FloatArray, step: float = 0.0) -> NDArray[np.intp]:
         & (turn > EXAMINED_SHARPNESS * usual)
     )
     places = np.flatnonzero(seen)
-    found = [np.empty(0, np.intp)]
+    outliers = [np.empty(0, np.intp)]
     for begin in range(0, len(places), SAMPLES_PER_BATCH):
         some = places[begin : begin + SAMPLES_PER_BATCH]
         sharp, large = (
             turn[some] > LEAST_SHARPNESS * _level(turn, some),
             sizes[0, some] > LEAST_SIZE * _level(np.abs(rise), some),
         )
-        found.append(some[sharp & large])
-    return np.concatenate(found) + 1
+        outliers.append(some[sharp & large])
+    return np.concatenate(outliers) + 1
 
 
 def _level(values: FloatArray, places: NDArray[np.intp]) -> FloatArray:

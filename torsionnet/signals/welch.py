@@ -198,7 +198,7 @@ def kept_share(settings: Welch, rate: float, lag: float) -> float:
 
 def lag_warnings(record: Recording, outputs: tuple[str, ...], input: str, settings: Welch) -> list[Note]:
     """Warnings on outputs that lag so far behind the input that windows lose more than 5 % of the response."""
-    found = []
+    notes = []
     for output in outputs:
         lag = lag_between(record, output, input)
         kept = kept_share(replace(settings, decimation=1), record.sampling_rate, lag)
@@ -209,8 +209,8 @@ def lag_warnings(record: Recording, outputs: tuple[str, ...], input: str, settin
             )
             text = f"{behind}, windows last {settings.seconds:g} s: {lost}"
             mended = f"take longer windows, or align the signals ({remedy('align=True')})"
-            found.append(warning(f"{text}; {mended}"))
-    return found
+            notes.append(warning(f"{text}; {mended}"))
+    return notes
 
 
 def aligned(record: Recording, output: str, input: str) -> tuple[Recording, float]:

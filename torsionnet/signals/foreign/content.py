@@ -107,15 +107,15 @@ def plain_attributes(attributes: Mapping[Any, Any]) -> dict[str, Plain]:
     >>> plain_attributes({"unit": b"N*m", "count": 3, "table": [1, 2]})
     {'unit': 'N*m', 'count': 3}
     """
-    found: dict[str, Plain] = {}
+    plain: dict[str, Plain] = {}
     for name, value in attributes.items():
         if isinstance(value, bytes):
-            found[str(name)] = value.decode(errors="replace")
+            plain[str(name)] = value.decode(errors="replace")
         elif isinstance(value, str):
-            found[str(name)] = str(value)
+            plain[str(name)] = str(value)
         elif getattr(value, "shape", ()) == () and (number := _number(value)) is not None:
-            found[str(name)] = number
-    return found
+            plain[str(name)] = number
+    return plain
 
 
 def _number(value: Any) -> float | None:

@@ -78,13 +78,15 @@ def open_content(path: Path) -> Iterator[Content]:
     import h5py
 
     with h5py.File(path, "r") as file:
-        found = _datasets(file)
+        datasets = _datasets(file)
         # MATLAB keeps rows and columns the other way round, and text and references as numbers.
-        matlab = any(CLASS in item.attrs for _, item in found)
-        across = {scale.name for _, item in found if len(item.shape or ()) == 2 for scale in _scales(item, matlab, 1)}
+        matlab = any(CLASS in item.attrs for _, item in datasets)
+        across = {
+            scale.name for _, item in datasets if len(item.shape or ()) == 2 for scale in _scales(item, matlab, 1)
+        }
         kept = [
             (name, item)
-            for name, item in found
+            for name, item in datasets
             if (_is_channel(name, item) and item.name not in across) or (matlab and _is_complex(name, item))
         ]
         arrays = [_stored(name, item, matlab) for name, item in kept]
@@ -92,10 +94,10 @@ def open_content(path: Path) -> Iterator[Content]:
         first = min(begun.values(), default=None)
         arrays = [_from(first, stored, begun) for stored in arrays]
         readers = [_reader(item, first, across=_is_across(item, matlab)) for _, item in kept]
-        texts = dict(_texts(file, found)) if matlab else {}
+        texts = dict(_texts(file, datasets)) if matlab else {}
         blocks = sliced_blocks(readers, [item.length for item in arrays])
         taken = {name for name, _ in kept}
-        others = [name.replace("/", ".") for name, item in found if name not in taken and _is_other(name, item)]
+        others = [name.replace("/", ".") for name, item in datasets if name not in taken and _is_other(name, item)]
         yield Content(tuple(arrays), blocks, texts | _attributes(file), tuple(others))
 
 
@@ -107,12 +109,12 @@ def _datasets(file: Any) -> list[tuple[str, Any]]:
     for name, link in links:
         if isinstance(link, h5py.ExternalLink):
             raise ForeignFileError(_elsewhere(name, link.filename))
-    found: list[tuple[str, Any]] = []
-    file.visititems(lambda name, item: found.append((name, item)) if isinstance(item, h5py.Dataset) else None)
-    for name, item in found:
+    datasets: list[tuple[str, Any]] = []
+    file.visititems(lambda name, item: datasets.append((name, item)) if isinstance(item, h5py.Dataset) else None)
+    for name, item in datasets:
         for other in _other_files(item):
             raise ForeignFileError(_elsewhere(name, other))
-    return found
+    return datasets
 
 
 def _other_files(item: Any) -> list[str]:
@@ -128,16 +130,16 @@ def _elsewhere(name: str, other: Any) -> str:
 
 def _attributes(item: Any) -> dict[str, Plain]:
     """Attributes of a dataset or file, by name, that h5py can decode and that are text or a number."""
-    found: dict[str, Any] = {}
+    attributes: dict[str, Any] = {}
     for name in item.attrs:
         with contextlib.suppress(TypeError):
-            found[name] = _single(item.attrs[name])
-    return plain_attributes(found)
+            attributes[name] = _single(item.attrs[name])
+    return plain_attributes(attributes)
 
 
-def _texts(file: Any, found: list[tuple[str, Any]]) -> Iterator[tuple[str, Plain]]:
+def _texts(file: Any, datasets: list[tuple[str, Any]]) -> Iterator[tuple[str, Plain]]:
     """Yield the texts of MATLAB, also those in structures and in cells of these, by their names."""
-    for name, item in found:
+    for name, item in datasets:
         kind = item.attrs.get(CLASS, b"")
         if name.startswith("#") or item.size > (MOST_LETTERS if "/" in name else LONGEST_VARIABLE):
             continue
@@ -226,10 +228,10 @@ def _scale_of_times(item: Any, transposed: bool) -> dict[str, Plain]:
     return {"clock": scales[0].name.strip("/").replace("/", ".")} if scales else {}
 
 
-def _begun(found: Sequence[tuple[Any, StoredArray]]) -> dict[str, datetime]:
+def _begun(datasets: Sequence[tuple[Any, StoredArray]]) -> dict[str, datetime]:
     """Times at which datasets began, by name, of attributes with a date and time and of time stamps as texts."""
     begun = dict[str, datetime]()
-    for item, stored in found:
+    for item, stored in datasets:
         texts = [str(stored.attributes[key]) for key in (*START_NAMES, WAVE_START) if key in stored.attributes]
         for text in texts if not _is_text(item) else [item.asstr()[0]]:
             with contextlib.suppress(ValueError):
@@ -304,11 +306,11 @@ class _Packing:
         if self == _Packing():
             return values
         packed = values.view(f"u{values.dtype.itemsize}") if self.unsigned else values
-        found = packed.astype(float) * self.scale + self.offset
-        tested, absent = found if self.of_unpacked else packed, np.isin(packed, self.fills)
+        unpacked = packed.astype(float) * self.scale + self.offset
+        tested, absent = unpacked if self.of_unpacked else packed, np.isin(packed, self.fills)
         absent |= False if self.least is None else tested < self.least
         absent |= False if self.most is None else tested > self.most
-        return np.where(absent, np.nan, found)
+        return np.where(absent, np.nan, unpacked)
 
 
 def _packing(item: Any) -> _Packing:

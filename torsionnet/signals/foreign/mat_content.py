@@ -53,10 +53,10 @@ def open_content(path: Path) -> Iterator[Content]:
     for name, value in content.items():
         if name.startswith("__"):
             continue
-        found = list(_members(name, value))
-        arrays += [(key, *_column(numbers)) for key, numbers in found if numbers.dtype.kind != "U"]
-        texts |= {key: "".join(text.ravel()[:1]) for key, text in found if text.dtype.kind == "U"}
-        others += [name] if not found and int(getattr(value, "size", 0)) else []
+        members = list(_members(name, value))
+        arrays += [(key, *_column(numbers)) for key, numbers in members if numbers.dtype.kind != "U"]
+        texts |= {key: "".join(text.ravel()[:1]) for key, text in members if text.dtype.kind == "U"}
+        others += [name] if not members and int(getattr(value, "size", 0)) else []
     yield memory_content(arrays, texts, others)
 
 

@@ -79,7 +79,7 @@ def _attributes(file: Any, signal: Any, rasters: list[tuple[str, NDArray[Any]]])
     if MASTERS.get(kind):
         return told | {"over": f"{MASTERS[kind]}{f' in {unit}' if unit else ''}"}
     stamps = np.asarray(signal.timestamps, dtype=float)
-    same = (number for number, one in enumerate(rasters) if one[0] == unit and np.array_equal(one[1], stamps))
+    same = (number for number, raster in enumerate(rasters) if raster[0] == unit and np.array_equal(raster[1], stamps))
     number = next(same, len(rasters))
     if number == len(rasters):
         rasters.append((unit, stamps))

@@ -122,8 +122,8 @@ def _blocks(file: Any, columns: Sequence[Any], zeros: dict[str, Any]) -> Blocks:
             have += len(batch)
             while count and have >= count:
                 joined = [np.concatenate(store) for store in kept]
-                yield [found[:count] for found in joined]
-                kept, have = [[found[count:]] for found in joined], have - count
+                yield [column[:count] for column in joined]
+                kept, have = [[column[count:]] for column in joined], have - count
         if have:
             yield [np.concatenate(store) for store in kept]
 

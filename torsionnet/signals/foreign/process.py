@@ -217,6 +217,6 @@ def _loaded(path: Path) -> list[NDArray[Any]]:
     import numpy as np
 
     with path.open("rb") as stream:
-        found = [np.load(stream, allow_pickle=False) for _ in range(int(stream.readline()))]
+        arrays = [np.load(stream, allow_pickle=False) for _ in range(int(stream.readline()))]
     path.unlink()
-    return found
+    return arrays

@@ -31,9 +31,9 @@ def open_content(path: Path) -> Iterator[Content]:
     import pyuff
 
     check_end(path.read_bytes())
-    found = pyuff.UFF(str(path)).read_sets()
+    datasets = pyuff.UFF(str(path)).read_sets()
     arrays: list[tuple[str, Any, dict[str, Plain]]] = []
-    for item in found if isinstance(found, list) else [found]:
+    for item in datasets if isinstance(datasets, list) else [datasets]:
         is_function = item.get("type") == FUNCTION_DATASET
         values, axis = (np.asarray(item[key]) if is_function else np.empty(0) for key in ("data", "x"))
         name = str(item.get("id1") or "").strip()
@@ -50,7 +50,7 @@ def check_end(raw: bytes) -> None:
 
     Marks of datasets come in pairs, and those written here count down to the last.
     """
-    marks = [found.end() for found in _MARK.finditer(raw)]
+    marks = [mark.end() for mark in _MARK.finditer(raw)]
     if not marks:
         raise ForeignFileError("there is no whole dataset in it; the file ends early, or is no universal file")
     if len(marks) % 2:

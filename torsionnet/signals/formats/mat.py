@@ -93,12 +93,12 @@ def read_response(path: Path) -> FrequencyResponse:
         plain = None if response_description.KEY in content.attributes else response_arrays(content.arrays)
         if plain:
             axis, *others = (_values(content, number) for number in (plain[0], *plain[1]))
-            found = {names[number]: values for number, values in zip(plain[1], others, strict=True)}
-            return response_of_arrays((names[plain[0]], axis), found, path)
+            arrays = {names[number]: values for number, values in zip(plain[1], others, strict=True)}
+            return response_of_arrays((names[plain[0]], axis), arrays, path)
         response_description.check_members([*names, *content.attributes, *content.others], path, "file", "has nothing")
-        found = {name: _values(content, names.index(name)) for name in response_description.NUMBERS if name in names}
+        arrays = {name: _values(content, names.index(name)) for name in response_description.NUMBERS if name in names}
         text = str(content.attributes.get(response_description.KEY, ""))
-    numbers = {name: values.ravel() if name in VECTORS else _cubic(values) for name, values in found.items()}
+    numbers = {name: values.ravel() if name in VECTORS else _cubic(values) for name, values in arrays.items()}
     return response_description.response_from(text, numbers | {"values": np.asarray(numbers["values"], dtype=complex)})
 
 

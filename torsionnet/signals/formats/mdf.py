@@ -38,17 +38,17 @@ def open_source(path: Path) -> Iterator[Source]:
             _channel(item, number, name, masters) for number, (item, name) in enumerate(zip(items, names, strict=True))
         ]
         source = Source(tuple(channels), content.blocks, title=path.stem, notes=_missing(channels, content.arrays))
-        found = text[text.find("{") : text.rfind("}") + 1]
-        own = '"sampling_rate"' in found
-        yield with_description(replace(source, channels=(*channels, *masters)), found) if own else source
+        description = text[text.find("{") : text.rfind("}") + 1]
+        own = '"sampling_rate"' in description
+        yield with_description(replace(source, channels=(*channels, *masters)), description) if own else source
 
 
 def _channel(item: StoredArray, number: int, name: str, masters: Sequence[FileChannel]) -> FileChannel:
-    found = channel_of(item, number, name, attribute_text(item, "unit"))
+    channel = channel_of(item, number, name, attribute_text(item, "unit"))
     over = attribute_text(item, "over")
     clock = None if over else masters[int(item.attributes["raster"] or 0)]
     over = over or other_axis(clock.unit if clock else "")
-    return replace(found, clock=None if over else clock, over=over)
+    return replace(channel, clock=None if over else clock, over=over)
 
 
 def _missing(channels: Sequence[FileChannel], items: Sequence[StoredArray]) -> tuple[str, ...]:

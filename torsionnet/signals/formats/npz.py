@@ -53,10 +53,12 @@ def open_source(path: Path) -> Iterator[Source]:
     with zipfile.ZipFile(path) as archive, contextlib.ExitStack() as members:
         headers = _checked_headers(archive, path)
         text = str(_loaded(archive, KEY)) if KEY in headers else ""
-        found = [_member(archive, name, header, members) for name, header in headers.items() if name != KEY]
-        kept = [pair for pair in found if pair]
+        pairs = [_member(archive, name, header, members) for name, header in headers.items() if name != KEY]
+        kept = [pair for pair in pairs if pair]
         blocks = sliced_blocks([read for _, read in kept], [member.length for member, _ in kept])
-        left = [name for name, pair in zip((one for one in headers if one != KEY), found, strict=True) if not pair]
+        left = [
+            name for name, pair in zip((member for member in headers if member != KEY), pairs, strict=True) if not pair
+        ]
         yield with_left_out(array_source([member for member, _ in kept], blocks, text, path.stem), left)
 
 

@@ -31,11 +31,13 @@ def open_source(path: Path) -> Iterator[Source]:
         items = content.arrays
         every = [_channel(item, number) for number, item in enumerate(items)]
         stamps = _stamps(items, every)
-        clocks = {one.column for one in stamps.values()}
+        clocks = {channel.column for channel in stamps.values()}
         channels = [
-            one if one.rate or one.over else replace(one, clock=_clock(stamps.get(_group(item)), one))
-            for item, one in zip(items, every, strict=True)
-            if ZERO not in item.attributes and one.column not in clocks
+            channel
+            if channel.rate or channel.over
+            else replace(channel, clock=_clock(stamps.get(_group(item)), channel))
+            for item, channel in zip(items, every, strict=True)
+            if ZERO not in item.attributes and channel.column not in clocks
         ]
         rates = [channel.rate for channel in channels if channel.rate]
         starts = [channel.start for channel in channels if channel.start is not None]
@@ -48,7 +50,7 @@ def open_source(path: Path) -> Iterator[Source]:
         if any(begun) and not all(begun):
             notes.append("channels without wf_start_time were taken to begin with the first of the others")
         rate = rates[0] if rates else None
-        zeros = [(one.name, attribute_text(items[one.column], ZERO)) for one in stamps.values()]
+        zeros = [(channel.name, attribute_text(items[channel.column], ZERO)) for channel in stamps.values()]
         notes += [f"{name} counts from {zero} UTC" for name, zero in zeros if zero]
         source = Source(tuple(channels), content.blocks, rate=rate, start=start, title=title, notes=tuple(notes))
         text = str(content.attributes.get(KEY, ""))
@@ -62,12 +64,12 @@ def _group(item: StoredArray) -> str:
 def _stamps(items: Sequence[StoredArray], every: Sequence[FileChannel]) -> dict[str, FileChannel]:
     """Channel of time stamps of every group, the first of them; of numbers where several groups have such a channel."""
     dated, numbers = dict[str, FileChannel](), dict[str, FileChannel]()
-    for item, one in zip(items, every, strict=True):
-        named = replace(one, name=item.name)
+    for item, channel in zip(items, every, strict=True):
+        named = replace(channel, name=item.name)
         if ZERO in item.attributes:
-            dated.setdefault(_group(item), one)
-        elif is_time(named) and is_time(replace(named, unit="")) and not one.rate:
-            numbers.setdefault(_group(item), one)
+            dated.setdefault(_group(item), channel)
+        elif is_time(named) and is_time(replace(named, unit="")) and not channel.rate:
+            numbers.setdefault(_group(item), channel)
     return {**numbers, **dated} if len({*numbers, *dated}) > 1 else dated
 
 
@@ -79,9 +81,9 @@ def _clock(stamps: FileChannel | None, channel: FileChannel) -> FileChannel | No
 def _channel(item: StoredArray, number: int) -> FileChannel:
     group = _group(item)
     unit = attribute_text(item, "unit_string", "NI_UnitDescription")
-    found = channel_of(item, number, f"{group}/{item.name}" if "group" in item.attributes else item.name, unit)
-    found = replace(found, group=group)
-    return replace(found, unit="s") if ZERO in item.attributes else found
+    channel = channel_of(item, number, f"{group}/{item.name}" if "group" in item.attributes else item.name, unit)
+    channel = replace(channel, group=group)
+    return replace(channel, unit="s") if ZERO in item.attributes else channel
 
 
 def write(recording: Recording, path: Path) -> None:

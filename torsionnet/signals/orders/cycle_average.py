@@ -259,15 +259,15 @@ def half_widths(blocks: Sequence[AveragedBlock]) -> FloatArray:
     freedom = np.maximum(2 * (worth - 2), 1.0)
     # Real and imaginary part have half the variance each; mean and slope take two of the estimates.
     spread = scatter / (2 * np.maximum(counts - 2, 1))
-    found = t.ppf(LEVEL, freedom) * np.sqrt(spread / worth)
-    found = np.where(counts < FEWEST_PAIRS, np.nan, found)
+    widths = t.ppf(LEVEL, freedom) * np.sqrt(spread / worth)
+    widths = np.where(counts < FEWEST_PAIRS, np.nan, widths)
     values = np.array([block.values for block in blocks])
     bend = np.zeros(values.shape)
     if len(blocks) > 2:
         # Second difference over blocks: where an order bends, as in a resonance, a block's mean misses its middle.
         inner = np.nan_to_num(np.abs(values[2:] - 2 * values[1:-1] + values[:-2])) * BEND_SHARE
         bend = np.concatenate([inner[:1], inner, inner[-1:]])
-    return np.asarray(np.moveaxis(np.hypot(found, bend), 0, -1))
+    return np.asarray(np.moveaxis(np.hypot(widths, bend), 0, -1))
 
 
 def _correlation(blocks: Sequence[AveragedBlock], counts: NDArray[np.intp]) -> FloatArray:

@@ -39,26 +39,26 @@ def crossing_notes(shafts: Sequence[tuple[MeanRotation, FloatArray]], times: Flo
     amplitude changes within the crossing. A filter that is wider than the square root of the rate at which the two
     frequencies part has a memory shorter than the crossing.
     """
-    found, rates = [], []
+    crossings, rates = [], []
     for number, (first, own) in enumerate(shafts):
         for second, other in shafts[number + 1 :]:
             here, there = first.speed(times) / (2 * np.pi), second.speed(times) / (2 * np.pi)
-            for one in own:
-                for two in other:
+            for o in own:
+                for second_order in other:
                     # The orders cross where the difference of their frequencies changes its sign.
-                    apart = one * here - two * there
-                    if np.abs(apart).max() < LEAST_APART * np.abs(one * here).max():
+                    apart = o * here - second_order * there
+                    if np.abs(apart).max() < LEAST_APART * np.abs(o * here).max():
                         continue
                     above = apart >= 0
                     for at in np.flatnonzero(above[1:] != above[:-1]):
                         share = apart[at] / (apart[at] - apart[at + 1])
                         time = times[at] + share * (times[at + 1] - times[at])
                         rates.append(abs((apart[at + 1] - apart[at]) / (times[at + 1] - times[at])))
-                        found.append(f"{one:g} of {first.name} and {two:g} of {second.name} at {time:.4g} s")
-    if not found:
+                        crossings.append(f"{o:g} of {first.name} and {second_order:g} of {second.name} at {time:.4g} s")
+    if not crossings:
         return ()
     return (
-        f"orders cross: {comma_list(found, MOST_LISTED)}; where an amplitude changes within a crossing, as in a "
+        f"orders cross: {comma_list(crossings, MOST_LISTED)}; where an amplitude changes within a crossing, as in a "
         "resonance, its interval is too narrow, the more so above a bandwidth of "
         f"{np.sqrt(min(rates)):.2g} Hz, the square root of the rate at which the frequencies part",
     )
@@ -91,7 +91,7 @@ class _Part:
 
 
 def filtered_orders(
-    one: Tracked,
+    tracked: Tracked,
     shafts: Sequence[tuple[MeanRotation, FloatArray]],
     settings: VoldKalman,
     zero: PhaseReference,
@@ -104,8 +104,8 @@ def filtered_orders(
         The record is shorter than 1/bandwidth.
     """
     mean = shafts[0][0]
-    begin = max(one.begin, *(shaft.ends[0] for shaft, _ in shafts))
-    end = min(one.end, *(shaft.ends[-1] for shaft, _ in shafts))
+    begin = max(tracked.begin, *(shaft.ends[0] for shaft, _ in shafts))
+    end = min(tracked.end, *(shaft.ends[-1] for shaft, _ in shafts))
     lowest, highest = _extreme_bandwidths(shafts, settings, begin, end)
     if not (end - begin) * lowest > 1:
         raise UsageError(
@@ -118,7 +118,7 @@ def filtered_orders(
     lines = 1 + 2 * sum(len(orders) for _, orders in shafts)
     margin = int(np.ceil(OVERLAP / lowest / step))
     fastest = float(mean.speed(mean.ends).max())
-    inside = int(min(MOST_UNKNOWNS / lines, MOST_SAMPLES / (one.rate(fastest) * step)))
+    inside = int(min(MOST_UNKNOWNS / lines, MOST_SAMPLES / (tracked.rate(fastest) * step)))
     inside = max(inside, LEAST_INTERVALS, margin)
     total = max(int(np.ceil((end - begin) / step)), LEAST_INTERVALS)
     step = (end - begin) / total
@@ -130,19 +130,19 @@ def filtered_orders(
         knots = begin + step * np.arange(max(first - margin, 0), min(last + margin, total) + 1)
         upper = begin + step * last
         own = times[(times >= begin + step * first) & ((times < upper) | (last == total))]
-        parts.append(_segment(one, shafts, settings, zero, knots, own))
+        parts.append(_segment(tracked, shafts, settings, zero, knots, own))
     values = np.concatenate([part.values for part in parts], axis=2)
     widths = np.concatenate([part.widths for part in parts], axis=2)
-    return _results(one, shafts, settings, zero, times, values, widths)
+    return _results(tracked, shafts, settings, zero, times, values, widths)
 
 
 def _results(
-    one: Tracked, shafts: Sequence[tuple[MeanRotation, FloatArray]], settings: VoldKalman, zero: PhaseReference,
+    tracked: Tracked, shafts: Sequence[tuple[MeanRotation, FloatArray]], settings: VoldKalman, zero: PhaseReference,
     times: FloatArray, values: ComplexArray, widths: FloatArray,
 ) -> list[list[TrackedOrders]]:  # fmt: skip
     said = f"{settings.words}; intervals from the residual and from the bend of the envelopes"
     crossing = crossing_notes(shafts, times)
-    found, at = [], 0
+    by_shaft, at = [], 0
     for number, (shaft, orders) in enumerate(shafts):
         mine = slice(at, at + len(orders))
         at += len(orders)
@@ -153,25 +153,25 @@ def _results(
         # A value averages over the time 1/bandwidth: single cycles scatter by the root of their number more.
         cycles = np.maximum(speeds / (2 * np.pi * shaft.cycle) / within, 1)
         seen = np.sqrt(cycles) * widths[:, mine]
-        wide = np.hypot(widths[:, mine], one.uncertain(orders, speeds, seen) if number == 0 else 0.0)
+        wide = np.hypot(widths[:, mine], tracked.uncertain(orders, speeds, seen) if number == 0 else 0.0)
         ranges = half_ranges(kept, orders, shaft.cycle)
-        notes = (*shaft.notes, said, *crossing, *one.notes)
+        notes = (*shaft.notes, said, *crossing, *tracked.notes)
         related = tuple((settings.related_bandwidths / within.mean(axis=1)).tolist())
         if number:
             notes = (*notes, f"orders of {shaft.name}")
-        found.append([
+        by_shaft.append([
             tracked_values(signal, orders, times, speeds, kept[place], wide[place], ranges[place], mark,
-                           (*notes, *_remarks(one, signal.name)), settings.kernel, related)
-            for place, signal in enumerate(one.signals)
+                           (*notes, *_remarks(tracked, signal.name)), settings.kernel, related)
+            for place, signal in enumerate(tracked.signals)
         ])  # fmt: skip
-    return found
+    return by_shaft
 
 
-def _remarks(one: Tracked, name: str) -> tuple[str, ...]:
+def _remarks(tracked: Tracked, name: str) -> tuple[str, ...]:
     """Words on what a signal lost, and on what it lacks as others lost it: all are filtered with the same samples."""
-    others = [signal.name for signal in one.signals if signal.name != name and one.remarks(signal.name)]
+    others = [signal.name for signal in tracked.signals if signal.name != name and tracked.remarks(signal.name)]
     lacks = (f"samples left out with those that {comma_list(others)} lost, as they are filtered together",)
-    return (*one.remarks(name), *(lacks if others else ()))
+    return (*tracked.remarks(name), *(lacks if others else ()))
 
 
 def half_ranges(values: ComplexArray, orders: FloatArray, cycle: int) -> FloatArray:
@@ -180,13 +180,13 @@ def half_ranges(values: ComplexArray, orders: FloatArray, cycle: int) -> FloatAr
     points = int(np.ceil(16 * max(orders.max(), 1) * cycle))
     angles = 2 * np.pi * cycle * np.arange(points) / points
     turning = np.exp(1j * np.outer(orders, angles))
-    found = np.empty(values.shape[::2])
+    ranges = np.empty(values.shape[::2])
     for signal, lines in enumerate(values):
         # Some hundred times at once: sums of all orders at all angles would not fit into memory.
         for begin in range(0, lines.shape[1], 256):
             wave = (lines[:, begin : begin + 256].T @ turning).real
-            found[signal, begin : begin + 256] = np.ptp(wave, axis=1) / 2
-    return found
+            ranges[signal, begin : begin + 256] = np.ptp(wave, axis=1) / 2
+    return ranges
 
 
 def _extreme_bandwidths(
@@ -206,10 +206,10 @@ def _extreme_bandwidths(
 
 
 def _segment(
-    one: Tracked, shafts: Sequence[tuple[MeanRotation, FloatArray]], settings: VoldKalman, zero: PhaseReference,
+    tracked: Tracked, shafts: Sequence[tuple[MeanRotation, FloatArray]], settings: VoldKalman, zero: PhaseReference,
     knots: FloatArray, times: FloatArray,
 ) -> _Part:  # fmt: skip
-    at, values = one.samples(float(knots[0]), float(knots[-1]))
+    at, values = tracked.samples(float(knots[0]), float(knots[-1]))
     phases, widths = [], []
     middles = (knots[1:] + knots[:-1]) / 2
     for number, (mean, orders) in enumerate(shafts):

@@ -61,7 +61,7 @@ def cycles_of(read: Iterator[tuple[FloatArray, FloatArray]], turn: float, name: 
     """
     times, angles = np.empty(0), np.empty(0)
     ends: list[float] = []
-    found: list[float] = []
+    at_ends: list[float] = []
     sums: list[float] = []
     first: float | None = None
     for more_times, more_angles in read:
@@ -69,12 +69,12 @@ def cycles_of(read: Iterator[tuple[FloatArray, FloatArray]], turn: float, name: 
         if len(times) < 2 * KEPT_POINTS:
             continue
         first = angles[0] if first is None else first
-        used = _take(times, angles, len(times) - KEPT_POINTS, turn, first, (ends, found, sums), name)
+        used = _take(times, angles, len(times) - KEPT_POINTS, turn, first, (ends, at_ends, sums), name)
         times, angles = times[used:], angles[used:]
     if len(times) > 3:
         first = angles[0] if first is None else first
-        _take(times, angles, len(times), turn, first, (ends, found, sums), name)
-    return Cycles(np.array(ends), np.array(found), np.array(sums))
+        _take(times, angles, len(times), turn, first, (ends, at_ends, sums), name)
+    return Cycles(np.array(ends), np.array(at_ends), np.array(sums))
 
 
 def _take(
@@ -89,7 +89,7 @@ def _take(
             f"{name}: the angle falls: the shaft turns backwards there; say that the wheel is reversed",
             kind="turning-back",
         )
-    ends, found, sums = into
+    ends, at_ends, sums = into
     # Vibration may turn the angle back for a while: a cycle ends where its mark is passed for the first time.
     highest = np.maximum.accumulate(angles[:count])
     begin = len(ends)
@@ -105,12 +105,12 @@ def _take(
     values = spline(at)
     integral = spline.antiderivative()
     if begin:
-        at, values = np.concatenate([[ends[-1]], at]), np.concatenate([[found[-1]], values])
+        at, values = np.concatenate([[ends[-1]], at]), np.concatenate([[at_ends[-1]], values])
     # Integral of the angle beyond that at a cycle's beginning: what repeats with the cycle adds a constant.
     whole = np.diff(integral(at)) - values[:-1] * np.diff(at)
     fresh = slice(1, None) if begin else slice(None)
     ends.extend(at[fresh].tolist())
-    found.extend(values[fresh].tolist())
+    at_ends.extend(values[fresh].tolist())
     sums.extend(whole.tolist())
     return max(int(np.searchsorted(times, ends[-1])) - KEPT_POINTS, 0)
 
@@ -212,8 +212,8 @@ def mean_rotation(
         read, label = _of_wheel(source), source.name
     else:
         read, label = _of_channel(source, name), name
-    found = mean_of_cycles(cycles_of(read, 2 * np.pi * cycle, label), cycle, label)
-    return replace(found, notes=(*found.notes, *(Note(remark, channel=label) for remark in remarks)))
+    rotation = mean_of_cycles(cycles_of(read, 2 * np.pi * cycle, label), cycle, label)
+    return replace(rotation, notes=(*rotation.notes, *(Note(remark, channel=label) for remark in remarks)))
 
 
 def mean_of_cycles(cycles: Cycles, cycle: int, name: str) -> MeanRotation:

@@ -62,7 +62,7 @@ def drop_outs(values: FloatArray) -> Stretches:
     firsts = np.concatenate([[0], np.flatnonzero(moved) + 1])
     lengths = np.diff(np.concatenate([firsts, [len(values)]]))
     step = float(changes[moved].min()) if moved.any() else 0.0
-    found = []
+    stretches = []
     for run in np.flatnonzero(lengths >= FEWEST_SAMPLES).tolist():
         if not 0 < run < len(lengths) - 1:
             continue
@@ -77,8 +77,8 @@ def drop_outs(values: FloatArray) -> Stretches:
         if (longer > LEAST_LENGTH_RATIO and _stops(sides, step)) or _jumps(
             sides, float(values[(first + last) // 2]), step
         ):
-            found.append((first, last))
-    return _without_limits(values, found, span)
+            stretches.append((first, last))
+    return _without_limits(values, stretches, span)
 
 
 def _stops(sides: tuple[FloatArray, FloatArray], step: float) -> bool:
@@ -93,9 +93,9 @@ def _jumps(sides: tuple[FloatArray, FloatArray], level: float, step: float) -> b
     return abs(jump) > LEAP_STEPS * step and jumps_away(sides, jump)
 
 
-def _without_limits(values: FloatArray, found: Stretches, span: float) -> Stretches:
+def _without_limits(values: FloatArray, stretches: Stretches, span: float) -> Stretches:
     """Stretches without those at levels to which the signal comes by itself, as to its limits."""
-    levels = np.array([values[(first + last) // 2] for first, last in found])
+    levels = np.array([values[(first + last) // 2] for first, last in stretches])
     tolerance = FLAT_SHARE * span
     sorted_levels = np.sort(levels)
     # A level that returns is one to which the signal comes by itself, as a stop or the range of an amplifier.
@@ -103,10 +103,10 @@ def _without_limits(values: FloatArray, found: Stretches, span: float) -> Stretc
         sorted_levels, levels - tolerance
     )
     zero = np.abs(levels) <= tolerance
-    ends = [(max(first - EDGE_SAMPLES, 0), min(last + EDGE_SAMPLES, len(values) - 1)) for first, last in found]
+    ends = [(max(first - EDGE_SAMPLES, 0), min(last + EDGE_SAMPLES, len(values) - 1)) for first, last in stretches]
     beside = np.array([np.abs(values[list(both)]).min() for both in ends])
     kept = (alike == 1) | (zero & (np.median(beside[zero]) > EDGE_SHARE * span if zero.any() else False))
-    lost = [stretch for stretch, keep in zip(found, kept.tolist(), strict=True) if keep]
+    lost = [stretch for stretch, keep in zip(stretches, kept.tolist(), strict=True) if keep]
     return lost if sum(last - first + 1 for first, last in lost) <= MOST_LOST * len(values) else []
 
 
@@ -135,7 +135,7 @@ class RecordWindow:
         first, _ = next(self._blocks, (None, False))
         if first is None:
             raise UsageError("the record is empty", kind="too-short")
-        self.signals: tuple[Signal, ...] = tuple(replace(one, values=np.empty(0)) for one in first)
+        self.signals: tuple[Signal, ...] = tuple(replace(signal, values=np.empty(0)) for signal in first)
         self.rate, self._start, self._values = first.sampling_rate, first.start, _stack(first)
         self.title = first.title
         self.end = first.start + first.duration if isinstance(recordings, Recording) else np.inf
@@ -178,11 +178,11 @@ class RecordWindow:
     def lost(self, bounds: FloatArray) -> NDArray[np.bool_]:
         """Whether each signal dropped out between neighbours of the times (n + 1,) in s, shape (n_signals, n)."""
         ringing = RINGING_SAMPLES / self.rate
-        found = np.zeros((len(self._lost), len(bounds) - 1), dtype=bool)
+        lost = np.zeros((len(self._lost), len(bounds) - 1), dtype=bool)
         for place, spans in enumerate(self._lost):
             for first, last in spans:
-                found[place] |= (bounds[:-1] < last + ringing) & (bounds[1:] > first - ringing)
-        return found
+                lost[place] |= (bounds[:-1] < last + ringing) & (bounds[1:] > first - ringing)
+        return lost
 
     def remarks(self, name: str) -> tuple[str, ...]:
         """Words on the drop-outs of a signal that were found so far."""

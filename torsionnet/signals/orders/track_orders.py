@@ -76,8 +76,8 @@ def track_orders(
     >>> record = Recording(
     ...     (Signal("a", "angle", angle), Signal("T", "torque", 5 * np.cos(3 * angle + 1))), sampling_rate=1000
     ... )
-    >>> (found,) = track_orders(record, mean_rotation(record, "a"), ["T"], orders=[3, 4.5])
-    >>> print(abs(found.along(3)).min().round(3), abs(found.along(3)).max().round(3))
+    >>> (orders,) = track_orders(record, mean_rotation(record, "a"), ["T"], orders=[3, 4.5])
+    >>> print(abs(orders.along(3)).min().round(3), abs(orders.along(3)).max().round(3))
     5.0 5.0
     """
     chosen = method or CycleAverage()
@@ -85,7 +85,7 @@ def track_orders(
     wanted = np.unique(np.asarray(orders, dtype=np.float64))
     _check_orders(wanted, [*wheels, *(wheel for _, *pair in twists for wheel in pair)])
     zero = phase_reference or PhaseReference(float(mean.angles[0]), "")
-    found: list[TrackedOrders] = []
+    tracked: list[TrackedOrders] = []
     kinds = [of_wheel(wheel, mean) for wheel in wheels]
     kinds += [of_twist(first, second, twist, mean) for twist, first, second in twists]
     if channels:
@@ -94,19 +94,19 @@ def track_orders(
         for shaft, its in ((mean, wanted), *further):
             _check_sampling(kinds[0], shaft, max(its, default=0))
     behind: list[TrackedOrders] = []
-    for one in kinds:
+    for kind in kinds:
         if isinstance(chosen, VoldKalman):
             shafts = [(mean, wanted), *((shaft, np.unique(np.asarray(more, float))) for shaft, more in further)]
-            first, *others = filtered_orders(one, shafts, chosen, zero)
-            found += first
+            first, *others = filtered_orders(kind, shafts, chosen, zero)
+            tracked += first
             behind += [each for other in others for each in other]
         else:
             if further:
                 raise UsageError(
                     "orders of further shafts are told apart by Vold-Kalman filters only", kind="unsupported-law"
                 )
-            found += averaged_orders(one, mean, wanted, chosen, zero)
-    return without_lost_times([*found, *behind])
+            tracked += averaged_orders(kind, mean, wanted, chosen, zero)
+    return without_lost_times([*tracked, *behind])
 
 
 def without_lost_times(orders: Sequence[TrackedOrders]) -> tuple[TrackedOrders, ...]:
@@ -117,7 +117,7 @@ def without_lost_times(orders: Sequence[TrackedOrders]) -> tuple[TrackedOrders, 
     UsageError
         No time is left.
     """
-    lost = [(one.name, one.times[np.isnan(one.values).any(axis=0)]) for one in orders]
+    lost = [(tracked.name, tracked.times[np.isnan(tracked.values).any(axis=0)]) for tracked in orders]
     if not any(len(times) for _, times in lost):
         return tuple(orders)
     notes = tuple(
@@ -125,27 +125,29 @@ def without_lost_times(orders: Sequence[TrackedOrders]) -> tuple[TrackedOrders, 
         "as long as they last" for name, times in lost if len(times)
     )  # fmt: skip
     every = np.concatenate([times for _, times in lost])
-    found = []
-    for one in orders:
-        kept = ~np.isin(one.times, every)
+    common = []
+    for tracked in orders:
+        kept = ~np.isin(tracked.times, every)
         if not kept.any():
-            raise UsageError(f"{one.name}: {'; '.join(notes)}: no value is left", kind="missing-data")
-        half = None if one.half_range is None else one.half_range[kept]
-        values, widths = one.values[:, kept], one.half_widths[:, kept]
-        found.append(replace(one, times=one.times[kept], speeds=one.speeds[kept], values=values, half_widths=widths,
-                             half_range=half, notes=(*one.notes, *notes)))  # fmt: skip
-    return tuple(found)
+            raise UsageError(f"{tracked.name}: {'; '.join(notes)}: no value is left", kind="missing-data")
+        half = None if tracked.half_range is None else tracked.half_range[kept]
+        values, widths = tracked.values[:, kept], tracked.half_widths[:, kept]
+        common.append(replace(tracked, times=tracked.times[kept], speeds=tracked.speeds[kept], values=values,
+                              half_widths=widths, half_range=half, notes=(*tracked.notes, *notes)))  # fmt: skip
+    return tuple(common)
 
 
 def averaged_orders(
-    one: Tracked, mean: MeanRotation, orders: FloatArray, method: CycleAverage, zero: PhaseReference
+    tracked: Tracked, mean: MeanRotation, orders: FloatArray, method: CycleAverage, zero: PhaseReference
 ) -> list[TrackedOrders]:
     """Orders of signals averaged over blocks of whole cycles, complex peak amplitudes in SI."""
-    shared = within(mean, one.begin, one.end)
+    shared = within(mean, tracked.begin, tracked.end)
     begins = method.blocks(shared)
     wanted = whole_multiples(orders, mean.cycle)
     blocks = list(
-        averaged_blocks(one.read, shared, wanted, begins, one.per_cycle, one.transmitted, zero.angle, one.lost)
+        averaged_blocks(
+            tracked.read, shared, wanted, begins, tracked.per_cycle, tracked.transmitted, zero.angle, tracked.lost
+        )
     )
     scattered, counts = half_widths(blocks), np.array([block.count for block in blocks]).T
     values = np.moveaxis(np.array([block.values for block in blocks]), 0, -1)
@@ -153,7 +155,7 @@ def averaged_orders(
     times = (bounds[1:] + bounds[:-1]) / 2
     speeds = np.diff(shared.angles[begins]) / np.diff(bounds)
     # Errors of pulses count as far as the scatter of single cycles, sqrt(n) times this, does not show them.
-    widths = np.hypot(scattered, one.uncertain(wanted, speeds, np.sqrt(counts)[:, None] * scattered))
+    widths = np.hypot(scattered, tracked.uncertain(wanted, speeds, np.sqrt(counts)[:, None] * scattered))
     size = "blocks of whole cycles" if method.step else f"blocks of {method.cycles} cycles"
     said = f"synchronous average over {size} of {mean.cycle} turns, intervals from the scatter between cycles"
     ranges = np.array([block.half_range for block in blocks]).T
@@ -162,8 +164,8 @@ def averaged_orders(
     kernel = TrackingKernel(revolutions=turns, taper=float(mean.cycle) if turns else 0.0)
     return [
         tracked_values(signal, wanted, times, speeds, values[place], widths[place], ranges[place], zero,
-                       (*mean.notes, said, *one.notes, *one.remarks(signal.name)), kernel)
-        for place, signal in enumerate(one.signals)
+                       (*mean.notes, said, *tracked.notes, *tracked.remarks(signal.name)), kernel)
+        for place, signal in enumerate(tracked.signals)
     ]  # fmt: skip
 
 
@@ -188,10 +190,10 @@ def _check_orders(orders: FloatArray, wheels: Sequence[WheelRotation]) -> None:
         wheel.check_orders(orders.tolist())
 
 
-def _check_sampling(one: Tracked, mean: MeanRotation, order: float) -> None:
+def _check_sampling(tracked: Tracked, mean: MeanRotation, order: float) -> None:
     """Refuse an order that is above half the sampling rate of a record at the highest speed, where it aliases."""
-    speed = float(mean.speed(mean.ends[(mean.ends >= one.begin) & (mean.ends <= one.end)]).max(initial=0))
-    rate = one.rate(speed)
+    speed = float(mean.speed(mean.ends[(mean.ends >= tracked.begin) & (mean.ends <= tracked.end)]).max(initial=0))
+    rate = tracked.rate(speed)
     # An order o at speed Omega vibrates with o Omega/(2 pi) Hz, half the sampling rate at most.
     if order * speed > np.pi * rate * (1 + 1e-6):
         raise UsageError(
@@ -282,8 +284,8 @@ def orders_of_test(
     >>> record = Recording(
     ...     (Signal("a", "angle", angle), Signal("T", "torque", 5 * np.cos(3 * angle))), sampling_rate=1000
     ... )
-    >>> (found,) = orders_of_test(record, {}, mean_rotation(record, "a"), orders=[3], channels=["T"])
-    >>> print(abs(found.along(3)).max().round(3))
+    >>> (orders,) = orders_of_test(record, {}, mean_rotation(record, "a"), orders=[3], channels=["T"])
+    >>> print(abs(orders.along(3)).max().round(3))
     5.0
     """
     at = mark or PhaseMark()

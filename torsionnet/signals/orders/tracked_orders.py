@@ -161,11 +161,11 @@ class TrackedOrders(SavedResult):
 
     Examples
     --------
-    >>> one = TrackedOrders(
+    >>> tracked = TrackedOrders(
     ...     "T", "torque", np.array([6.0]), np.array([0.0, 1.0]), np.array([10.0, 20.0]),
     ...     np.array([[3j, 4]]), np.zeros((1, 2)), reference="top dead centre of cylinder 1",
     ... )
-    >>> one.along(6).tolist(), one.measured()[0].amplitude.tolist()
+    >>> tracked.along(6).tolist(), tracked.measured()[0].amplitude.tolist()
     ([3j, (4+0j)], [3.0, 4.0])
     """
 
@@ -293,10 +293,10 @@ def stress_orders(torque: TrackedOrders, diameter: float) -> TrackedOrders:
 
     Examples
     --------
-    >>> one = TrackedOrders(
+    >>> tracked = TrackedOrders(
     ...     "T", "torque", np.array([6.0]), np.zeros(1), np.ones(1), np.array([[np.pi / 16 + 0j]]), np.zeros((1, 1))
     ... )
-    >>> stress_orders(one, 0.1).along(6).round(6).tolist()
+    >>> stress_orders(tracked, 0.1).along(6).round(6).tolist()
     [(1000+0j)]
     """
     if torque.quantity != "torque":
@@ -339,11 +339,11 @@ def order_slices(tracked: TrackedOrders, step: float) -> TrackedOrders:
 
     Examples
     --------
-    >>> one = TrackedOrders(
+    >>> tracked = TrackedOrders(
     ...     "T", "torque", np.array([6.0]), np.arange(4.0), np.array([10.0, 11.0, 20.0, 21.0]),
     ...     np.array([[1, 3, 5, 7 + 0j]]), np.full((1, 4), 0.1), reference="tooth 0",
     ... )
-    >>> order_slices(one, 10.0).along(6).tolist()
+    >>> order_slices(tracked, 10.0).along(6).tolist()
     [(2+0j), (6+0j)]
     """
     if not step > 0:
@@ -351,16 +351,16 @@ def order_slices(tracked: TrackedOrders, step: float) -> TrackedOrders:
     bins = np.floor(tracked.speeds / step).astype(np.intp)
     numbers = np.unique(bins)
     members = [np.flatnonzero(bins == number) for number in numbers]
-    values = np.array([tracked.values[:, one].mean(axis=1) for one in members]).T
-    widths = np.array([_half_width(tracked, one) for one in members]).T
+    values = np.array([tracked.values[:, inside].mean(axis=1) for inside in members]).T
+    widths = np.array([_half_width(tracked, inside) for inside in members]).T
     half = tracked.half_range
     return replace(
         tracked,
-        times=np.array([tracked.times[one].mean() for one in members]),
-        speeds=np.array([tracked.speeds[one].mean() for one in members]),
+        times=np.array([tracked.times[inside].mean() for inside in members]),
+        speeds=np.array([tracked.speeds[inside].mean() for inside in members]),
         values=values,
         half_widths=widths,
-        half_range=None if half is None else np.array([half[one].max() for one in members]),
+        half_range=None if half is None else np.array([half[inside].max() for inside in members]),
         notes=(*tracked.notes, f"averaged in bins of {step * RPM:.4g} rpm; of half ranges the largest"),
     )
 

@@ -104,11 +104,11 @@ def of_record(window: RecordWindow, orders: FloatArray) -> Tracked:
 
 def _held(window: RecordWindow, begin: float, end: float) -> tuple[FloatArray, FloatArray]:
     """Times in s and values (n_signals, n) of the samples between two times, up to which the record has to go."""
-    found = window.between(begin, end)
+    samples = window.between(begin, end)
     if not window.reaches(end - 2 / window.rate):
         text = f"the channels end at {window.last:.6g} s, but the pulses go on"
         raise UsageError(f"{text}; leave out the pulses after that, as stop: of a campaign does", kind="too-short")
-    return found
+    return samples
 
 
 def spline_response(share: FloatArray) -> FloatArray:

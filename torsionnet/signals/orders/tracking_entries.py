@@ -50,25 +50,25 @@ class OrderList(Spec[tuple[float, ...]]):
     rising: bool = True
 
     def coerce(self, raw: object) -> tuple[float, ...]:
-        found: list[float] = []
+        orders: list[float] = []
         if isinstance(raw, list | tuple):
             raw = ",".join(map(str, raw))
         for part in re.split(r"[,;\s]+", str(raw).strip()):
             ends = [self._number(text, part) for text in part.split(":")]
             if len(ends) == 1:
-                found += ends
+                orders += ends
             elif len(ends) == 3 and ends[2] > 0 and ends[1] >= ends[0]:
                 count = int((ends[1] - ends[0]) / ends[2] * (1 + 1e-9)) + 1
                 if count > MOST_ORDERS:
                     raise EntryError(f'"{part}" means {count} orders; take a larger step', kind="too-large")
-                found += [ends[0] + ends[2] * place for place in range(count)]
+                orders += [ends[0] + ends[2] * place for place in range(count)]
             else:
                 raise EntryError(f'"{part}": orders are numbers, or first:last:step as 0.5:12:0.5', kind="wrong-form")
-        if not found or min(found) <= 0:
+        if not orders or min(orders) <= 0:
             raise EntryError(
                 f"orders are positive numbers of vibrations per revolution, {got(raw)}", kind="out-of-range"
             )
-        return tuple(sorted(set(found)) if self.rising else dict.fromkeys(found))
+        return tuple(sorted(set(orders)) if self.rising else dict.fromkeys(orders))
 
     @staticmethod
     def _number(text: str, part: str) -> float:
@@ -86,8 +86,8 @@ class OrderList(Spec[tuple[float, ...]]):
         return ", ".join(map(repr, value))
 
     def schema(self) -> Schema:
-        one: Schema = {"type": ["number", "string"]}
-        return {"anyOf": [one, {"type": "array", "items": one, "minItems": 1}], "description": self.description}
+        single: Schema = {"type": ["number", "string"]}
+        return {"anyOf": [single, {"type": "array", "items": single, "minItems": 1}], "description": self.description}
 
     @property
     def accepted(self) -> str:

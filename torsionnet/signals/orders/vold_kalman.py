@@ -155,11 +155,11 @@ class EnvelopeFilter:
     def _basis(self, part: slice) -> FloatArray:
         """Cosine and minus sine of each order at samples, with 1 for the mean, shape (n, 1 + 2 n_orders)."""
         # y = mean + sum over the orders of Re X cos(phase) - Im X sin(phase).
-        found = np.empty((part.stop - part.start, self.width))
-        found[:, 0] = 1
-        found[:, 1::2] = np.cos(self.phases[:, part]).T
-        found[:, 2::2] = -np.sin(self.phases[:, part]).T
-        return found
+        basis = np.empty((part.stop - part.start, self.width))
+        basis[:, 0] = 1
+        basis[:, 1::2] = np.cos(self.phases[:, part]).T
+        basis[:, 2::2] = -np.sin(self.phases[:, part]).T
+        return basis
 
     def _intervals(self) -> Any:
         """Yield the number of each interval with samples, the samples, and all basis functions there."""
@@ -174,13 +174,13 @@ class EnvelopeFilter:
     def _gram(self) -> FloatArray:
         """Blocks of the data equation's normal matrix, shape (reach + 1, n_coefficients, width, width)."""
         reach, width, many = max(SPLINE_DEGREE, self.poles), self.width, SPLINE_DEGREE + 1
-        found = np.zeros((reach + 1, self.count, width, width))
+        gram = np.zeros((reach + 1, self.count, width, width))
         for number, _, both in self._intervals():
             product = (both.T @ both).reshape(many, width, many, width)
-            for one in range(many):
-                for other in range(one, many):
-                    found[other - one, number + one] += product[other, :, one, :]
-        return found
+            for row in range(many):
+                for other in range(row, many):
+                    gram[other - row, number + row] += product[other, :, row, :]
+        return gram
 
     def _structure(self, gram: FloatArray, bandwidths: FloatArray, step: float) -> FloatArray:
         """Blocks of the structure equation's normal matrix: squared differences of coefficients, weighted."""
@@ -206,25 +206,25 @@ class EnvelopeFilter:
         weights = density * factor
         # Difference of degree p: its signed binomials, multiplied in pairs, fill the bands.
         signs = np.array([(-1) ** k * comb(poles, k) for k in range(poles + 1)], dtype=float)
-        found = np.zeros_like(gram)
+        structure = np.zeros_like(gram)
         lines = np.arange(self.width)
         rows = count - poles
         middle = weights[poles // 2 : poles // 2 + rows]
-        for one in range(poles + 1):
-            for other in range(one, poles + 1):
-                found[other - one][one : one + rows, lines, lines] += signs[one] * signs[other] * middle
-        return found
+        for first in range(poles + 1):
+            for other in range(first, poles + 1):
+                structure[other - first][first : first + rows, lines, lines] += signs[first] * signs[other] * middle
+        return structure
 
     def _banded(self, blocks: FloatArray) -> FloatArray:
         reach, count, width, _ = blocks.shape
-        found = np.zeros((reach * width, count * width))
+        bands = np.zeros((reach * width, count * width))
         # Lower bands as LAPACK stores them: the row says the distance below the diagonal.
         for distance in range(reach):
             for column in range(width):
                 first = column if distance == 0 else 0
                 rows = distance * width + np.arange(first, width) - column
-                found[rows, column::width] = blocks[distance, :, first:, column].T
-        return found
+                bands[rows, column::width] = blocks[distance, :, first:, column].T
+        return bands
 
     def solve(self, values: FloatArray) -> FloatArray:
         """Coefficients of the envelopes of signals (n_signals, n), shape (n_coefficients, width, n_signals)."""
@@ -238,14 +238,14 @@ class EnvelopeFilter:
         """Change of coefficients when the signal they describe is filtered again, in their shape and unit."""
         blocks = self._weights
         lines = np.arange(self.width)
-        found = np.zeros_like(coefficients)
+        weighted = np.zeros_like(coefficients)
         for distance in range(len(blocks)):
             weights = blocks[distance][:, lines, lines][:, :, None]
             rows = self.count - distance
-            found[distance:] += weights[:rows] * coefficients[:rows]
+            weighted[distance:] += weights[:rows] * coefficients[:rows]
             if distance:
-                found[:rows] += weights[:rows] * coefficients[distance:]
-        return self._back(found)
+                weighted[:rows] += weights[:rows] * coefficients[distance:]
+        return self._back(weighted)
 
     def _back(self, right: FloatArray) -> FloatArray:
         from scipy.linalg import cho_solve_banded
@@ -263,11 +263,11 @@ class EnvelopeFilter:
 
     def residual(self, coefficients: FloatArray, values: FloatArray) -> FloatArray:
         """Values minus mean and orders, shape (n_signals, n), in the signals' unit."""
-        found = values.copy()
+        residual = values.copy()
         for number, part, both in self._intervals():
             used = coefficients[number : number + SPLINE_DEGREE + 1].reshape(both.shape[1], -1)
-            found[:, part] -= (both @ used).T
-        return found
+            residual[:, part] -= (both @ used).T
+        return residual
 
 
 def _smooth(values: FloatArray, reach: int) -> FloatArray:

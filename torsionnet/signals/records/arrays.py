@@ -63,17 +63,17 @@ def with_table_clocks(source: Source, stamped: Collection[int] = ()) -> Source:
     Times of other things (pulses, durations) are columns like others: their name is none of a time, or they do not
     rise, or equal the first stamps. Columns ``stamped`` held dates and times, whatever their name.
     """
-    ordered = sorted((*source.channels, *([source.time] if source.time else [])), key=lambda one: one.column)
+    ordered = sorted((*source.channels, *([source.time] if source.time else [])), key=lambda channel: channel.column)
     named = [
-        one
-        for one, behind in pairwise(ordered)
-        if _is_clock(one, behind) or (one.column in stamped and not is_time(behind))
+        channel
+        for channel, behind in pairwise(ordered)
+        if _is_clock(channel, behind) or (channel.column in stamped and not is_time(behind))
     ]
     if len(named) < 2 or source.time not in (None, named[0]):
         return source
     stamps = _read(source, named)
     first = stamps.get(named[0].column, np.empty(0))
-    clocks = [one for one in named[1:] if one.column in stamps and not _same(stamps[one.column], first)]
+    clocks = [clock for clock in named[1:] if clock.column in stamps and not _same(stamps[clock.column], first)]
     if not clocks or not len(first):
         return source
     clocks = [named[0], *clocks]
@@ -85,7 +85,7 @@ def with_table_clocks(source: Source, stamped: Collection[int] = ()) -> Source:
         if channel not in clocks:
             length = len(stamps[clock.column])
             channels.append(replace(channel, clock=replace(clock, length=length), length=length))
-    names = ", ".join(f'"{one.name}"' for one in clocks)
+    names = ", ".join(f'"{clock.name}"' for clock in clocks)
     notes = [note for note in source.notes if note != time_note(clocks[0])]
     said = f"{names} were taken for the time stamps of the columns behind each"
     return replace(
@@ -95,14 +95,16 @@ def with_table_clocks(source: Source, stamped: Collection[int] = ()) -> Source:
 
 def with_named_clocks(source: Source) -> Source:
     """Source of arrays without order, of which times may be named after a channel, as ``t_T`` with ``T``."""
-    alone = [one for one in source.channels if not one.clock and not one.rate]
+    alone = [channel for channel in source.channels if not channel.clock and not channel.rate]
     times = [*alone, *([source.time] if source.time else [])]
-    clocks = {one.name: time for one in alone for time in times if time is not one and _is_time_of(time, one)}
+    clocks = {
+        channel.name: time for channel in alone for time in times if time is not channel and _is_time_of(time, channel)
+    }
     if clocks:
         stamps = {time.column for time in clocks.values()}
-        rest = [one for one in source.channels if one.column not in stamps]
+        rest = [channel for channel in source.channels if channel.column not in stamps]
         of_all = None if source.time in clocks.values() else source.time
-        paired = [replace(one, clock=clocks.get(one.name, one.clock or of_all)) for one in rest]
+        paired = [replace(channel, clock=clocks.get(channel.name, channel.clock or of_all)) for channel in rest]
         return replace(source, channels=tuple(paired), time=None)
     return with_doubts(source)
 
@@ -111,11 +113,17 @@ def with_doubts(source: Source) -> Source:
     """Source with a warning where it has other times than those taken for all channels, and nothing tells of what."""
     if source.time is None:
         return source
-    alone = [one for one in source.channels if not one.clock and not one.rate]
-    doubted = [one for one in alone if (not one.unit or is_time(one)) and _NUMBERED.fullmatch(one.name)]
+    alone = [channel for channel in source.channels if not channel.clock and not channel.rate]
+    doubted = [
+        channel for channel in alone if (not channel.unit or is_time(channel)) and _NUMBERED.fullmatch(channel.name)
+    ]
     stamps_of = _read(source, [source.time, *doubted]) if doubted else {}
     first = stamps_of.get(source.time.column, np.empty(0))
-    others = [one.name for one in doubted if one.column in stamps_of and not _same(stamps_of[one.column], first)]
+    others = [
+        channel.name
+        for channel in doubted
+        if channel.column in stamps_of and not _same(stamps_of[channel.column], first)
+    ]
     text = warning(f"{', '.join(others)} holds other times than {source.time.name}, which was taken for all channels")
     return replace(source, notes=(*source.notes, *([text] if others else [])))
 
@@ -140,7 +148,7 @@ def _is_time_of(time: FileChannel, channel: FileChannel) -> bool:
 
 def _read(source: Source, clocks: Sequence[FileChannel]) -> Mapping[int, FloatArray]:
     """Time stamps (n,) in s by column, without empty cells behind them; only those that rise."""
-    found = dict[int, FloatArray]()
+    stamps = dict[int, FloatArray]()
     for clock in clocks:
         try:
             values = next(source.blocks([clock.column], 0), [np.empty(0)])[0]
@@ -149,8 +157,8 @@ def _read(source: Source, clocks: Sequence[FileChannel]) -> Mapping[int, FloatAr
         filled = np.flatnonzero(np.isfinite(values))
         values = values[: filled[-1] + 1] if len(filled) else values[:0]
         if len(values) > 1 and np.all(np.diff(values) > 0):
-            found[clock.column] = values * seconds_in(clock.unit)
-    return found
+            stamps[clock.column] = values * seconds_in(clock.unit)
+    return stamps
 
 
 def _same(stamps: FloatArray, first: FloatArray) -> bool:
@@ -217,10 +225,10 @@ def array_source(
                 name = item.name if columns == 1 else f"{item.name}_{column + 1}"
                 channels.append(channel_of(item, len(channels), name, attribute_text(item, *UNIT_NAMES)))
                 places.append((number, column))
-    found = {structure: _rate_and_start(numbers) for structure, numbers in clocks.items()}
-    rate, start = next(iter(found.values())) if len(found) == 1 else (None, 0.0)
-    if len(found) > 1:
-        channels = [_clocked(channel, nearest(channel.name, found)) for channel in channels]
+    by_structure = {structure: _rate_and_start(numbers) for structure, numbers in clocks.items()}
+    rate, start = next(iter(by_structure.values())) if len(by_structure) == 1 else (None, 0.0)
+    if len(by_structure) > 1:
+        channels = [_clocked(channel, nearest(channel.name, by_structure)) for channel in channels]
     source = Source(
         _with_scales(channels, arrays, places), by_column(blocks, places), rate=rate, start=start, title=title,
         notes=tuple(notes),
@@ -281,7 +289,7 @@ def _of_its_own(source: Source) -> Source:
         return source
     around = structure_of(time.name)
     # A structure of time stamps alone holds the clock of all others.
-    if not any(structure_of(one.name) == around for one in source.channels):
+    if not any(structure_of(channel.name) == around for channel in source.channels):
         around = ""
 
     def belongs(channel: FileChannel) -> bool:
@@ -307,16 +315,16 @@ def _with_scales(
 ) -> tuple[FileChannel, ...]:
     """Channels with the dimension scales that their arrays name: time stamps, what is no time, or unknown."""
     named = {channel.name: channel for channel in channels}
-    found, others = list[FileChannel](), dict[str, str]()
+    scaled, others = list[FileChannel](), dict[str, str]()
     for channel, (number, _) in zip(channels, places, strict=True):
         axis = attribute_text(arrays[number], "clock")
         scale = named.get(axis) or (FileChannel(axis, NOWHERE) if axis else None)
         over = other_axis(scale.unit, scale.name) if scale else ""
         clock = scale if scale and not over and is_time(scale) else None
         over = over or channel.over
-        found.append(replace(channel, clock=clock, over=over, scale=None if clock or over else scale))
+        scaled.append(replace(channel, clock=clock, over=over, scale=None if clock or over else scale))
         others |= {scale.name: over} if scale and over else {}
-    return tuple(replace(channel, over=others.get(channel.name, channel.over)) for channel in found)
+    return tuple(replace(channel, over=others.get(channel.name, channel.over)) for channel in scaled)
 
 
 def by_column(blocks: Blocks, places: Sequence[tuple[int, int]]) -> Blocks:
@@ -326,8 +334,8 @@ def by_column(blocks: Blocks, places: Sequence[tuple[int, int]]) -> Blocks:
         wanted = [places[column] for column in columns]
         numbers = list(dict.fromkeys(number for number, _ in wanted))
         for block in blocks(numbers, count):
-            found = dict(zip(numbers, block, strict=True))
-            yield [_column(found[number], column) for number, column in wanted]
+            arrays = dict(zip(numbers, block, strict=True))
+            yield [_column(arrays[number], column) for number, column in wanted]
 
     return columns_of
 
@@ -365,9 +373,9 @@ def _with_waveform(channel: FileChannel, item: StoredArray) -> FileChannel:
 def _clock_numbers(item: StoredArray) -> _Numbers:
     """Numbers that tell a clock among the attributes of an array in a file, with their names."""
     kinds = {"rate": RATE_NAMES, "interval": INTERVAL_NAMES, "start": START_NAMES}
-    found = ((kind, name, _number_of(item, name)) for kind, names in kinds.items() for name in reversed(names))
+    attributes = ((kind, name, _number_of(item, name)) for kind, names in kinds.items() for name in reversed(names))
     whose = f" of {item.name}" if item.name else ""
-    return {kind: (f"{name}{whose}", number) for kind, name, number in found if number is not None}
+    return {kind: (f"{name}{whose}", number) for kind, name, number in attributes if number is not None}
 
 
 def _number_of(item: StoredArray, *names: str) -> float | None:
@@ -397,10 +405,10 @@ def told_apart(names: Sequence[str], longer: Sequence[str]) -> list[str]:
     >>> told_apart(["T", "w", "T", "T"], ["1/T", "1/w", "2/T", "2/T"])
     ['1/T', 'w', '2/T', '2/T_2']
     """
-    found: list[str] = []
+    apart: list[str] = []
     for name, other in zip(names, longer, strict=True):
-        found.append(name if names.count(name) == 1 else free_name(other, {*found, *names}))
-    return found
+        apart.append(name if names.count(name) == 1 else free_name(other, {*apart, *names}))
+    return apart
 
 
 def attribute_text(item: StoredArray, *names: str) -> str:

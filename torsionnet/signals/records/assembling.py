@@ -108,7 +108,11 @@ def recordings(source: Source, options: ReadOptions, file: str, seconds: float |
     rest = replace(options, names=names_of_signals(source, options.names), units=units)
     if source.pulses and (not source.channels if rest.names is None else not rest.names):
         rate = options.sampling_rate or source.rate or rate_of(pulses)
-        start = source.start if source.rate else min((float(one.times[0]) for one in pulses if len(one)), default=0.0)
+        start = (
+            source.start
+            if source.rate
+            else min((float(channel.times[0]) for channel in pulses if len(channel)), default=0.0)
+        )
         yield Recording((), rate, start, None, source.title or file, source.notes, pulses)
         return
     yield from with_pulses(_sampled(source, rest, file, seconds), pulses)
@@ -126,7 +130,7 @@ def _sampled(source: Source, options: ReadOptions, file: str, seconds: float | N
     every, whole, source, choices = choices, source, chosen.source, chosen.together
     # Channels of several rates differ in length: one of the two is said.
     faults += chosen.faults or length_faults(source, choices)
-    has_axes = any(one.rate or one.clock or one.over for one in source.channels)
+    has_axes = any(channel.rate or channel.clock or channel.over for channel in source.channels)
     if not chosen.faults and (choices or (source.channels and not has_axes)):
         faults += _rate_faults(source, options, choices)
     if faults:
@@ -155,7 +159,7 @@ def _rate_faults(source: Source, options: ReadOptions, choices: Sequence[Channel
         return [Fault(f"{text}; give {remedy('sampling_rate=')} in Hz", kind="implausible-size")]
     if source.time is not None or options.sampling_rate or source.rate:
         return []
-    advice = f"{unit_of_scale(one.channel for one in choices)}{remedy('sampling_rate=')} in Hz"
+    advice = f"{unit_of_scale(choice.channel for choice in choices)}{remedy('sampling_rate=')} in Hz"
     return [Fault(f"nothing in the file tells the sampling rate; give {advice}", kind="missing-entry")]
 
 
@@ -203,11 +207,11 @@ def _clock(
         times = (stamps[0] - zero) * scale
     if options.sampling_rate and is_coarse(times):
         start = begin + done / options.sampling_rate if done else float(times[0])
-        found = coarse_clock(times, options.sampling_rate, start)
-        if isinstance(found, Fault):
-            raise ModelError([found], file)
+        coarse = coarse_clock(times, options.sampling_rate, start)
+        if isinstance(coarse, Fault):
+            raise ModelError([coarse], file)
         source.discovered.append(warning("the time stamps are coarser than the sampling: the rate given was taken"))
-        return found
+        return coarse
     faults = value_faults(times, source, done)
     if faults:
         raise ModelError(faults, file)
@@ -260,5 +264,5 @@ def _size_faults(signal: Signal) -> list[Fault]:
 def _signal(choice: ChannelChoice, values: FloatArray) -> Signal:
     with np.errstate(over="ignore"):
         scaled = values if choice.factor == 1.0 else values * choice.factor
-    found, channel = np.asanyarray(scaled, dtype=float), choice.channel
-    return Signal(choice.name, choice.quantity, found, choice.notes, channel.between, channel.course_rate)
+    samples, channel = np.asanyarray(scaled, dtype=float), choice.channel
+    return Signal(choice.name, choice.quantity, samples, choice.notes, channel.between, channel.course_rate)

@@ -155,7 +155,9 @@ def choose(
         except UnitError as error:
             faults.append(replace(error.fault, path=("channels", channel.name), position=channel.position))
     if untold:
-        faults.append(untold_quantities(untold).at(next(one.position for one in channels if one.name in untold)))
+        faults.append(
+            untold_quantities(untold).at(next(channel.position for channel in channels if channel.name in untold))
+        )
     if not channels and not faults:
         faults.append(Fault("there is no channel of numbers in the file", kind="wrong-file"))
     return choices, faults
@@ -310,21 +312,25 @@ def own_clocks(source: Source, choices: Sequence[ChannelChoice], rate: float | N
 
 
 def _coarse_clock(stamps: FloatArray, rate: float, begin: float, name: str) -> tuple[Clock, list[Fault]]:
-    found = coarse_clock(stamps, rate, begin)
-    return (Clock(rate, begin), [replace(found, path=("channels", name))]) if isinstance(found, Fault) else (found, [])
+    clock = coarse_clock(stamps, rate, begin)
+    return (Clock(rate, begin), [replace(clock, path=("channels", name))]) if isinstance(clock, Fault) else (clock, [])
 
 
 def rasters_of(choices: Sequence[ChannelChoice]) -> list[Raster]:
     """Rasters of channels by rising rate; a channel without rate belongs to each."""
-    found: list[Raster] = []
-    for choice in sorted((one for one in choices if one.channel.rate), key=lambda one: one.channel.rate or 0.0):
+    rasters: list[Raster] = []
+    for choice in sorted(
+        (choice for choice in choices if choice.channel.rate), key=lambda choice: choice.channel.rate or 0.0
+    ):
         rate, clock = choice.channel.rate or 0.0, choice.channel.clock
-        fitting = [one for one in found if one.choices[0].channel.clock == clock and _is_of(choice, one.rate)]
+        fitting = [
+            raster for raster in rasters if raster.choices[0].channel.clock == clock and _is_of(choice, raster.rate)
+        ]
         if fitting:
             fitting[0].choices.append(choice)
         else:
-            found.append(Raster(rate, [choice]))
-    return found
+            rasters.append(Raster(rate, [choice]))
+    return rasters
 
 
 def in_raster(raster: Raster, choices: Sequence[ChannelChoice]) -> tuple[list[ChannelChoice], list[ChannelChoice]]:
@@ -366,9 +372,9 @@ def cut_together(source: Source, kept: Sequence[ChannelChoice], rate: float) -> 
     count = max(0, min(length - skip for length, skip in zip(lengths, skips.values(), strict=True)))
     where = comma_list([_span(choice, source, rate) for choice in kept], MOST_NAMED)
     note = f"cut to where all channels were recorded, from {latest:.6g} to {latest + (count - 1) / rate:.6g} s: {where}"
-    found = replace(source, blocks=_cut_blocks(source.blocks, skips, count), rate=rate, start=latest)
+    together = replace(source, blocks=_cut_blocks(source.blocks, skips, count), rate=rate, start=latest)
     cut = [replace(choice, channel=replace(choice.channel, start=latest, length=count)) for choice in kept]
-    return replace(found, notes=(*found.notes, note)), cut
+    return replace(together, notes=(*together.notes, note)), cut
 
 
 def _cut_blocks(blocks: Blocks, skips: Mapping[int, int], count: int) -> Blocks:
@@ -378,7 +384,7 @@ def _cut_blocks(blocks: Blocks, skips: Mapping[int, int], count: int) -> Blocks:
         values = [next(blocks([column], 0))[0][skips[column] : skips[column] + count] for column in columns]
         step = size or max(count, 1)
         for first in range(0, count, step):
-            yield [found[first : first + step] for found in values]
+            yield [samples[first : first + step] for samples in values]
 
     return cut
 

@@ -42,8 +42,8 @@ def rounded_grid(stamps: FloatArray, scale: float = 1.0) -> RoundedGrid | None:
     taken; a real jitter or drift of more than half a unit fits none. Stamps may be equal where others, as the first
     ones of single precision, are finer than the sampling.
 
-    >>> found = rounded_grid(np.round(np.arange(20) / 25.6e3, 6))
-    >>> found.rate, found.start, found.digits
+    >>> grid = rounded_grid(np.round(np.arange(20) / 25.6e3, 6))
+    >>> grid.rate, grid.start, grid.digits
     (25600.0, 0.0, '6 decimals')
     """
     last = len(stamps) - 1

@@ -55,7 +55,7 @@ def encoder_recording(source: Source, options: ReadOptions, file: str) -> Record
     ModelError
         Names that the file lacks, or pulses that cannot be read.
     """
-    every = {one.channel.name: one.channel for one in source.pulses} | source.every
+    every = {stored.channel.name: stored.channel for stored in source.pulses} | source.every
     faults = [unknown_name("channel", name, every, ("channels",)) for name in options.pulses if name not in every]
     faults += [
         Fault(
@@ -84,7 +84,7 @@ def _others(source: Source, options: ReadOptions, file: str) -> Recording | None
     elif names is not None:
         names = [name for name in names if name not in options.pulses]
     channels = tuple(channel for channel in source.channels if channel.name not in options.pulses)
-    pulses = tuple(one for one in source.pulses if one.channel.name not in options.pulses)
+    pulses = tuple(stored for stored in source.pulses if stored.channel.name not in options.pulses)
     if not (channels or pulses) or (names is not None and not names):
         return None
     rest = replace(source, channels=channels, pulses=pulses, time=_clock(source, options))
@@ -102,7 +102,7 @@ def _clock(source: Source, options: ReadOptions) -> FileChannel | None:
 
 def _turning(source: Source, channel: FileChannel, options: ReadOptions, file: str) -> EncoderRotation:
     steps = float(options.pulses[channel.name])
-    train = next((one for one in source.pulses if one.channel.name == channel.name), None)
+    train = next((stored for stored in source.pulses if stored.channel.name == channel.name), None)
     raw = np.empty(0) if train else next(source.blocks([channel.column], 0))[0]
     raw = raw[np.isfinite(raw)]
     stamped, unit = bool(train) or holds_pulse_times(raw), options.units.get(channel.name, channel.unit)
@@ -135,9 +135,9 @@ def _turning(source: Source, channel: FileChannel, options: ReadOptions, file: s
 
 def _even(first: float, last: float, rate: float, turning: Sequence[EncoderRotation], file: str) -> FloatArray:
     """Uniform times (n,) in s from ``first`` to ``last``, in which all encoders turn."""
-    place, most = ("channels", turning[0].name), max(len(one.times) for one in turning)
+    place, most = ("channels", turning[0].name), max(len(rotation.times) for rotation in turning)
     if last < first:
-        spans = "; ".join(f"{one.name} from {one.times[0]:.6g} to {one.times[-1]:.6g} s" for one in turning)
+        spans = "; ".join(f"{wheel.name} from {wheel.times[0]:.6g} to {wheel.times[-1]:.6g} s" for wheel in turning)
         raise ModelError([Fault(f"the pulses have no time in common: {spans}", place, kind="unlike-results")], file)
     try:
         return even_times(first, last, rate, most, "pulses")
@@ -151,9 +151,9 @@ def _together(
     if not turning:
         assert record is not None
         return record
-    first, last = max(one.times[0] for one in turning), min(one.times[-1] for one in turning)
+    first, last = max(rotation.times[0] for rotation in turning), min(rotation.times[-1] for rotation in turning)
     if record is None or not record.signals:
-        rate = options.sampling_rate or max(float(np.ceil(1 / np.diff(one.times).min())) for one in turning)
+        rate = options.sampling_rate or max(float(np.ceil(1 / np.diff(rotation.times).min())) for rotation in turning)
         record = replace(record or Recording((), rate, title=file), sampling_rate=rate, start=float(first))
         times = _even(float(first), float(last), rate, turning, file)
     else:
@@ -169,5 +169,7 @@ def _together(
         signals = tuple(replace(signal, values=signal.values[inside]) for signal in record)
         stamps = None if record.times is None else times
         record = replace(record, signals=signals, start=float(times[0]), times=stamps)
-    remarks = [replace(about_channel(note, one.name), severity="warning") for one in turning for note in one.notes[1:]]
-    return replace(record, signals=(*record.signals, *(one.signal(times) for one in turning))).with_notes(*remarks)
+    remarks = [
+        replace(about_channel(note, wheel.name), severity="warning") for wheel in turning for note in wheel.notes[1:]
+    ]
+    return replace(record, signals=(*record.signals, *(wheel.signal(times) for wheel in turning))).with_notes(*remarks)

@@ -43,17 +43,17 @@ class _Fields:
     texts: Mapping[str, Plain]
 
     def number(self, name: str) -> float | None:
-        found = self.arrays.get(name)
-        return None if found is None else found[1].value
+        stored = self.arrays.get(name)
+        return None if stored is None else stored[1].value
 
     def words(self, name: str) -> list[str]:
         """Text of this name, or the texts of its cells, in their order."""
         if name in self.texts:
             return [str(self.texts[name]).strip()]
-        found = list[str]()
-        while (cell := f"{name}{{{len(found) + 1}}}") in self.texts:
-            found.append(str(self.texts[cell]).strip())
-        return found
+        words = list[str]()
+        while (cell := f"{name}{{{len(words) + 1}}}") in self.texts:
+            words.append(str(self.texts[cell]).strip())
+        return words
 
 
 def structured_source(
@@ -67,10 +67,10 @@ def structured_source(
         A structure lacks what tells the times of its values, or its number of values is another than it says.
     """
     fields = _Fields({item.name: (number, item) for number, item in enumerate(arrays)}, texts)
-    found = _testlab(fields) or _pulse(fields)
-    if not found:
+    structure = _testlab(fields) or _pulse(fields)
+    if not structure:
         return None
-    channels, places, notes = found
+    channels, places, notes = structure
     renamed = tuple(replace(channel, column=number) for number, channel in enumerate(channels))
     rates = [channel.rate for channel in renamed if channel.rate]
     starts = [channel.start for channel in renamed if channel.start is not None]
@@ -135,8 +135,8 @@ def _abscissa_fault(fields: _Fields, prefix: str, item: StoredArray) -> str:
     there = [name.removeprefix(f"{prefix}.") for name in fields.arrays if name.startswith(f"{prefix}{ABSCISSA}.")]
     missing = [key for key in ("increment", "number_of_values") if numbers[key] is None]
     if missing:
-        found = comma_list(there, MOST_NAMED, none="none of its fields")
-        return f"structure {prefix} has y_values, but in x_values no {' and no '.join(missing)}; found {found}"
+        held = comma_list(there, MOST_NAMED, none="none of its fields")
+        return f"structure {prefix} has y_values, but in x_values no {' and no '.join(missing)}; found {held}"
     interval, count = numbers["increment"] or 0.0, numbers["number_of_values"] or 0.0
     if not 0 < interval < float("inf"):
         return f"structure {prefix} has an increment of {interval:g} in its x_values, which is no sampling interval"
@@ -160,9 +160,9 @@ def _factor_notes(fields: _Fields, prefix: str, name: str, unit: str) -> list[No
 
 def _pulse(fields: _Fields) -> Found | None:
     data = {name: _PULSE_DATA.fullmatch(name) for name in fields.arrays}
-    found = {name: match[1] for name, match in data.items() if match}
+    numbers = {name: match[1] for name, match in data.items() if match}
     headed = any(name.startswith("File_Header.") for name in (*fields.arrays, *fields.texts))
-    if not found or not headed:
+    if not numbers or not headed:
         return None
     written = [*fields.words(_PULSE_RATE), ""][0]
     match = _NUMBER.match(written)
@@ -170,7 +170,7 @@ def _pulse(fields: _Fields) -> Found | None:
     if not rate > 0:
         raise ValueError(f'File_Header has the SampleFrequency "{written}", which is no rate in Hz; export it again')
     channels, places = list[FileChannel](), list[tuple[int, int]]()
-    for data_name, number in found.items():
+    for data_name, number in numbers.items():
         place, item = fields.arrays[data_name]
         name, unit = ([*fields.words(f"Channel_{number}_Header.{key}"), ""][0] for key in ("SignalName", "Unit"))
         channels.append(FileChannel(name or data_name, 0, unit, None, item.length, rate=rate, start=0.0))
@@ -178,6 +178,6 @@ def _pulse(fields: _Fields) -> Found | None:
     often = Counter(channel.name for channel in channels)
     named = [
         channel if often[channel.name] == 1 else replace(channel, name=f"{channel.name} {number}")
-        for channel, number in zip(channels, found.values(), strict=True)
+        for channel, number in zip(channels, numbers.values(), strict=True)
     ]
     return named, places, []

@@ -96,16 +96,16 @@ def read_recording(
         resample,
         between or {},
     )
-    found = list(_read(Path(path), options, None, dialect))
-    if len(found) > 1:
-        raise _several(len(found), len(found[0]), Path(path))
-    return found[0]
+    records = list(_read(Path(path), options, None, dialect))
+    if len(records) > 1:
+        raise _several(len(records), len(records[0]), Path(path))
+    return records[0]
 
 
 def read_even(path: str | os.PathLike[str], **reading: Any) -> Recording:
     """Recording as :func:`read_recording` gives it; ``resample`` makes uneven time stamps even, too."""
-    found = read_recording(path, **reading)
-    return resampled(found) if reading.get("resample") and found.times is not None else found
+    recording = read_recording(path, **reading)
+    return resampled(recording) if reading.get("resample") and recording.times is not None else recording
 
 
 def read_tests(path: str | os.PathLike[str], **reading: Any) -> list[Recording]:
@@ -167,8 +167,8 @@ def pulse_names(path: str | os.PathLike[str], **dialect: str) -> tuple[str, ...]
 def _read(
     path: Path, options: ReadOptions, seconds: float | None, dialect: dict[str, str]
 ) -> Generator[Recording, None, None]:
-    with _opened(path, dialect) as found:
-        read = with_readings(found, options.readings, options.units, path.name)
+    with _opened(path, dialect) as opened:
+        read = with_readings(opened, options.readings, options.units, path.name)
         source, options = with_given_clock(read, options)
         source = with_given_courses(source, options.between, path.name)
         if options.pulses:

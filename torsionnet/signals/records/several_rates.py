@@ -74,7 +74,7 @@ def choose_rate(source: Source, choices: Sequence[ChannelChoice], options: ReadO
         )
     if len(rasters) > 1 and (not wanted or (given is None and not options.resample)):
         return RateChoice(source, own.choices, faults=[_which(rasters, source, given)])
-    raster = max(wanted, key=lambda one: (one.is_even, one.rate))
+    raster = max(wanted, key=lambda raster: (raster.is_even, raster.rate))
     stamped = {choice.channel.column for choice in choices if choice.channel.clock}
     source, placed, faults = _placed(source, own.choices, raster, stamped, surely=len(rasters) > 1 or not given)
     if faults:
@@ -83,14 +83,14 @@ def choose_rate(source: Source, choices: Sequence[ChannelChoice], options: ReadO
     if raster.is_even:
         chosen = _together(source, kept, others, raster.rate, options)
     else:
-        found = _on_clock(source, raster.choices[0].channel.clock)
-        chosen = _with_others_or_without(found, kept, others, raster.rate, options)
+        clocked = _on_clock(source, raster.choices[0].channel.clock)
+        chosen = _with_others_or_without(clocked, kept, others, raster.rate, options)
     return replace(chosen, stamps=own.stamps)
 
 
 def _told_of_scales(source: Source, choices: Sequence[ChannelChoice]) -> Source:
     """Source with a warning where channels over several dimension scales are put on one clock."""
-    scales = dict.fromkeys(one.channel.scale.name for one in choices if one.channel.scale)
+    scales = dict.fromkeys(choice.channel.scale.name for choice in choices if choice.channel.scale)
     if len(scales) < 2:
         return source
     note = warning(f"channels over {comma_list(list(scales), MOST_NAMED)} were taken to begin together, at one rate")
@@ -109,11 +109,11 @@ def _placed(
     unclocked = [choice.channel for choice in choices if not choice.channel.rate]
     starts, doubtful = dict[int, float](), list[FileChannel]()
     for channel in unclocked:
-        alike = [one for one in timed if one.channel.length == channel.length]
+        alike = [choice for choice in timed if choice.channel.length == channel.length]
         # The nearest relatives come first: those of the same group, then those of the same length, then all.
-        near = [one for one in alike if group_of(one.channel) == group_of(channel)]
-        beside = [one for one in near if one.channel.column not in stamped and channel.scale is None]
-        begun = {own_start(one, source) for one in (beside if surely else near or alike or timed)}
+        near = [choice for choice in alike if group_of(choice.channel) == group_of(channel)]
+        beside = [choice for choice in near if choice.channel.column not in stamped and channel.scale is None]
+        begun = {own_start(choice, source) for choice in (beside if surely else near or alike or timed)}
         # A start is taken over only where all of them agree.
         if len(begun) == 1:
             starts[channel.column] = begun.pop()
@@ -126,15 +126,17 @@ def _placed(
         note = f"{names}: no clock in the file, taken to be sampled with the others"
         source = replace(source, notes=(*source.notes, note))
     placed = [
-        replace(one, channel=replace(one.channel, start=starts[one.channel.column])) if not one.channel.rate else one
-        for one in choices
+        replace(choice, channel=replace(choice.channel, start=starts[choice.channel.column]))
+        if not choice.channel.rate
+        else choice
+        for choice in choices
     ]
     return source, placed, []
 
 
 def _without_clock(unclocked: Sequence[FileChannel], raster: Raster, source: Source, *, surely: bool) -> Fault:
     """Fault that nothing tells when channels were sampled that stand beside others with a clock."""
-    said = [f"{one.name} (over {one.scale.name})" if one.scale else one.name for one in unclocked]
+    said = [f"{channel.name} (over {channel.scale.name})" if channel.scale else channel.name for channel in unclocked]
     have = "have" if len(said) > 1 else "has"
     text = f"{comma_list(said, MOST_NAMED)} {have} no clock in the file, {listed(raster.choices, source)} another; "
     if surely:
@@ -145,7 +147,7 @@ def _without_clock(unclocked: Sequence[FileChannel], raster: Raster, source: Sou
 
 def unit_of_scale(channels: Iterable[FileChannel]) -> str:
     """Advice to give the first dimension scale of channels, if it is the time, its unit; empty without scales."""
-    scales = [one.scale for one in channels if one.scale and one.scale.column != NOWHERE]
+    scales = [channel.scale for channel in channels if channel.scale and channel.scale.column != NOWHERE]
     return f"{remedy('units=', {scales[0].name: 's'})} if {scales[0].name} is the time, or " if scales else ""
 
 
@@ -240,7 +242,7 @@ def read_others(source: Source, chosen: RateChoice, file: str) -> list[OtherSamp
     UsageError
         Gaps in uneven time stamps.
     """
-    found, faults = list[OtherSamples](), list[Fault]()
+    samples, faults = list[OtherSamples](), list[Fault]()
     for choice in chosen.others:
         channel = choice.channel
         values = np.asarray(next(source.blocks([channel.column], 0), [np.empty(0)])[0], dtype=np.float64)
@@ -253,14 +255,14 @@ def read_others(source: Source, chosen: RateChoice, file: str) -> list[OtherSamp
             continue
         rate, start = channel.rate or chosen.source.rate or 1.0, own_start(choice, source)
         if channel.clock is None:
-            found.append(OtherSamples(values, rate, start))
+            samples.append(OtherSamples(values, rate, start))
         else:
             uneven = Recording((Signal(channel.name, "", values),), rate, times=chosen.stamps[channel.clock.column])
             even = resampled(uneven)
-            found.append(OtherSamples(even.signals[0].values, rate, even.start, even.notes))
+            samples.append(OtherSamples(even.signals[0].values, rate, even.start, even.notes))
     if faults:
         raise ModelError(faults, file)
-    return found
+    return samples
 
 
 def shares_time(record: Recording, samples: Sequence[OtherSamples]) -> bool:
@@ -331,6 +333,6 @@ def with_others(
     places = {choice.channel.column: number for number, choice in enumerate(order)}
     columns = [choice.channel.column for choice in (*together, *others)]
     signals = [
-        signal for _, signal in sorted(zip(columns, [*kept, *made], strict=True), key=lambda one: places[one[0]])
+        signal for _, signal in sorted(zip(columns, [*kept, *made], strict=True), key=lambda pair: places[pair[0]])
     ]
     return replace(record, signals=tuple(signals), start=float(times[0])).with_notes(*notes)

@@ -124,14 +124,18 @@ class Source:
 
         Where structures or groups have time stamps each, channels have those of the nearest.
         """
-        named = {structure_of(one.name): one for one in reversed(self.channels) if is_time(one) and _has_time_name(one)}
+        named = {
+            structure_of(channel.name): channel
+            for channel in reversed(self.channels)
+            if is_time(channel) and _has_time_name(channel)
+        }
         if len(named) > 1 or any(channel.rate or channel.clock for channel in self.channels):
             clocks = {
-                *(one.column for one in named.values()),
-                *(one.clock.column for one in self.channels if one.clock),
+                *(channel.column for channel in named.values()),
+                *(channel.clock.column for channel in self.channels if channel.clock),
             }
             rest = [channel for channel in self.channels if channel.column not in clocks]
-            own = [one if one.clock or one.over else _timed(one, named) for one in rest]
+            own = [channel if channel.clock or channel.over else _timed(channel, named) for channel in rest]
             return replace(self, channels=tuple(own))
         for channel in self.channels:
             if is_time(channel):
@@ -246,7 +250,7 @@ def hertz_in(unit: str) -> float:
     """
     if not unit:
         return 1.0
-    found = parse_unit(plain_unit(unit))
-    if found.dimension not in (DIMENSIONS["frequency"], DIMENSIONS["speed"]):
+    parsed = parse_unit(plain_unit(unit))
+    if parsed.dimension not in (DIMENSIONS["frequency"], DIMENSIONS["speed"]):
         raise UnitError(f'"{unit}" is no unit of frequency; expected one like Hz or rad/s', kind="wrong-unit")
-    return float(found.factor) / (1.0 if found.dimension == DIMENSIONS["frequency"] else 2 * math.pi)
+    return float(parsed.factor) / (1.0 if parsed.dimension == DIMENSIONS["frequency"] else 2 * math.pi)

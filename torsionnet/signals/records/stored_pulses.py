@@ -34,7 +34,7 @@ def with_readings(source: Source, readings: Mapping[str, PulseReading], units: M
     if not readings:
         return source
     every = source.every
-    stored = {one.channel.name for one in source.pulses}
+    stored = {stored.channel.name for stored in source.pulses}
     unknown = [
         name
         for name, reading in readings.items()
@@ -89,17 +89,17 @@ def stored_pulses(source: Source, names: Names, file: str) -> tuple[PulseChannel
     ModelError
         Times that are not finite, or do not rise.
     """
-    found, faults = list[PulseChannel](), list[Fault]()
+    channels, faults = list[PulseChannel](), list[Fault]()
     for stored in source.pulses:
         name = stored.channel.name
         if names is None or name in names:
             try:
-                found.append(pulses_of(source, stored, names[name] if isinstance(names, Mapping) else name))
+                channels.append(pulses_of(source, stored, names[name] if isinstance(names, Mapping) else name))
             except UsageError as error:
                 faults.append(error.fault.under("channels", name))
     if faults:
         raise ModelError(faults, file)
-    return tuple(found)
+    return tuple(channels)
 
 
 def names_of_signals(source: Source, names: Names) -> Names:
@@ -125,14 +125,14 @@ def pulses_of(source: Source, stored: StoredPulses, name: str) -> PulseChannel:
     if reading is None:
         return PulseChannel(name, np.asarray(raw, dtype=np.float64), stored.tick, channel.notes)
     factor = float(parse_unit(plain_unit(channel.unit)).factor) if reading.seconds is None and channel.unit else 1.0
-    found = pulse_channel(name, raw, reading, factor)
+    pulses = pulse_channel(name, raw, reading, factor)
     if reading.seconds is None:
         said: NoteOrText = f"converted from {channel.unit}" if factor != 1.0 else ""
-        found = replace(found, unit_known=bool(channel.unit))
-        if not channel.unit and len(found) < LEAST_PULSE_RATE * np.ptp(found.times):
-            said = warning(f"no unit in the file: taken for s: {found.span}; if they are in ms, give their unit")
-        found = replace(found, notes=(*found.notes, said) if said else found.notes)
-    return found
+        pulses = replace(pulses, unit_known=bool(channel.unit))
+        if not channel.unit and len(pulses) < LEAST_PULSE_RATE * np.ptp(pulses.times):
+            said = warning(f"no unit in the file: taken for s: {pulses.span}; if they are in ms, give their unit")
+        pulses = replace(pulses, notes=(*pulses.notes, said) if said else pulses.notes)
+    return pulses
 
 
 def with_pulses(blocks: Iterator[Recording], pulses: Sequence[PulseChannel]) -> Iterator[Recording]:

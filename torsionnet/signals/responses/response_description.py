@@ -152,9 +152,9 @@ def usable_limit_in(lines: Iterable[str]) -> float | None:
     >>> usable_limit_in(["a title", "usable_up_to: 16.8 Hz"]), usable_limit_in(["usable up to 16.8 Hz"])
     (16.8, 16.8)
     """
-    found = [match[1] for line in lines if (match := _LIMIT.fullmatch(line))]
+    limits = [match[1] for line in lines if (match := _LIMIT.fullmatch(line))]
     try:
-        return float(found[0]) if found else None
+        return float(limits[0]) if limits else None
     except ValueError:
         return None
 
@@ -171,18 +171,18 @@ def estimation_in(lines: Iterable[str]) -> Estimation | None:
     """
     lines = list(lines)
     for line in lines:
-        if found := _ESTIMATION.fullmatch(line):
+        if match := _ESTIMATION.fullmatch(line):
             try:
-                data = json.loads(found[1])
+                data = json.loads(match[1])
                 return read_estimation(dict(zip(_SHORT, data, strict=True)) if isinstance(data, list) else data)
             except (KeyError, TypeError, ValueError):
                 return None
     for note in lines:
-        found = _OLD_ESTIMATION.fullmatch(note)
-        if found:
-            seconds, overlap, effective = (float(found[key]) for key in ("seconds", "overlap", "effective"))
-            names = found["estimator"], found["window"]
-            return Estimation(*names, seconds, overlap / 100, found["detrend"], int(found["averages"]), effective)
+        match = _OLD_ESTIMATION.fullmatch(note)
+        if match:
+            seconds, overlap, effective = (float(match[key]) for key in ("seconds", "overlap", "effective"))
+            names = match["estimator"], match["window"]
+            return Estimation(*names, seconds, overlap / 100, match["detrend"], int(match["averages"]), effective)
     return None
 
 
@@ -318,7 +318,7 @@ def _plain(name: str) -> str:
     return name.rpartition(".")[2].casefold()
 
 
-def response_of_arrays(axis: tuple[str, FloatArray], found: Mapping[str, Any], path: Path) -> FrequencyResponse:
+def response_of_arrays(axis: tuple[str, FloatArray], members: Mapping[str, Any], path: Path) -> FrequencyResponse:
     """Frequency response of complex arrays by name, (n_f,), (n_f, n_out) or (n_f, n_out, n_in), over an axis.
 
     Raises
@@ -339,7 +339,9 @@ def response_of_arrays(axis: tuple[str, FloatArray], found: Mapping[str, Any], p
             ],
             path.name,
         )
-    columns = {label: _columns(np.asarray(values, dtype=complex), len(frequencies)) for label, values in found.items()}
+    columns = {
+        label: _columns(np.asarray(values, dtype=complex), len(frequencies)) for label, values in members.items()
+    }
     inputs = max(values.shape[2] for values in columns.values())
     if any(values.shape[2] != inputs for values in columns.values()):
         raise ModelError(

@@ -62,8 +62,8 @@ class Shown:
 
     def orders(self, positions: FloatArray, count: int) -> ComplexArray:
         """Peak amplitudes X of Re X exp(j v phi) in rad, shape (count,), with the teeth at these positions."""
-        found = self.terms(positions)
-        return np.asarray(found[-2 * count : -count] - 1j * found[-count:])
+        terms = self.terms(positions)
+        return np.asarray(terms[-2 * count : -count] - 1j * terms[-count:])
 
     def left(self, positions: FloatArray) -> FloatArray:
         """Angle in rad at each tooth that rotation and vibration do not explain, shape (teeth,); NaN without pulses."""
@@ -292,13 +292,13 @@ def windows_of_test(
     if second is None:
         return TestWindows(windows, (), load)
     try:
-        found = repaired_pulses(second.times, teeth if wheel.missing_teeth else 0)
+        pulses = repaired_pulses(second.times, teeth if wheel.missing_teeth else 0)
     except UsageError as error:
         by_gap = pulses_by_gap(second.times, wheel) if wheel.missing_teeth else None
         if by_gap is None:
             raise UsageError(f"{second.name}: {error}", kind=error.kind) from None
-        found = by_gap
-    stamps = found.times
+        pulses = by_gap
+    stamps = pulses.times
     shown = []
     for window in windows:
         inside = stamps[slice(*np.searchsorted(stamps, [window.begin, window.end]).tolist())]
@@ -310,7 +310,7 @@ def windows_of_test(
         # The shaft may vibrate by more than a pitch: the first pickup's pulses say where it is, not the mean rotation.
         passing = _numbers(second.name, np.interp(inside, times, numbers) - teeth * angle / (2 * np.pi), wheel)
         shown.append(second_shown(window, inside, passing, teeth, angle, orders.orders))
-    return TestWindows(windows, tuple(shown), load, tuple(f"{second.name}: {text}" for text in found.remarks))
+    return TestWindows(windows, tuple(shown), load, tuple(f"{second.name}: {text}" for text in pulses.remarks))
 
 
 def _numbers(name: str, places: FloatArray, wheel: Wheel) -> NDArray[np.intp]:
@@ -383,4 +383,4 @@ def stacked(tests: Sequence[TestWindows], wheel: Wheel) -> Stack:
 
 def amplitudes(shown: Sequence[Shown], positions: FloatArray, count: int) -> ComplexArray:
     """Peak amplitudes in rad of every window and order, shape (n_windows, count), teeth at these positions."""
-    return np.array([one.orders(positions, count) for one in shown])
+    return np.array([window.orders(positions, count) for window in shown])

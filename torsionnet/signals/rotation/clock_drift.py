@@ -110,7 +110,7 @@ def on_first_clock(recording: Recording, clocks: ClockDrift, like: Recording | N
         for channel in recording.pulses
     )
     counted = f"{len(recording)} samples" if recording.signals else ""
-    counted = ", ".join(filter(None, [counted, *(f"{len(one)} pulses of {one.name}" for one in pulses)]))
+    counted = ", ".join(filter(None, [counted, *(f"{len(channel)} pulses of {channel.name}" for channel in pulses)]))
     note = f"{MOVED}, by {1e6 * clocks.drift:.4g} ppm and {clocks.offset:.6g} s: {counted}"
     # A second of the first clock is 1 + drift seconds of the second, and holds as many samples more.
     rate = recording.sampling_rate * (1 + clocks.drift)
@@ -128,7 +128,8 @@ def on_first_clock(recording: Recording, clocks: ClockDrift, like: Recording | N
         raise UsageError(f"the two records have no time in common on one clock; {COMMON}", kind="unlike-results")
     even = like.time[inside]
     signals = tuple(
-        replace(one, values=interpolated_at(one.values, rate, start, even, like.sampling_rate)) for one in recording
+        replace(signal, values=interpolated_at(signal.values, rate, start, even, like.sampling_rate))
+        for signal in recording
     )
     return replace(moved, signals=signals, sampling_rate=like.sampling_rate, start=float(even[0])).with_notes(
         f"{len(even)} samples interpolated at those of the first system"
@@ -190,8 +191,8 @@ def rotation_clocks(first: WheelRotation, second: WheelRotation, *, same_start: 
         theirs, speeds = _averages(second, offset + (1 + drift) * used)
         ours, _ = _averages(first, used)
         errors, rates = sign * theirs - ours, sign * speeds
-        found = np.linalg.lstsq(_columns(times, rates, free=free), -errors, rcond=None)[0]
-        step, shift = float(found[1]), float(found[2]) if free else 0.0
+        solution = np.linalg.lstsq(_columns(times, rates, free=free), -errors, rcond=None)[0]
+        step, shift = float(solution[1]), float(solution[2]) if free else 0.0
         drift, offset = drift + step, offset + shift
         if abs(drift) > MOST_DRIFT or max(abs(step), abs(shift)) < CONVERGED:
             break
@@ -365,10 +366,10 @@ def signal_clocks(first: Recording, second: Recording, name: str, *, seconds: fl
         if not inside[margin : margin + length].all():
             continue
         there = np.where(inside, interpolated_at(theirs, second.sampling_rate, second.start, wanted, rate), 0.0)
-        found = _delay(ours[begin : begin + length], there, margin, rate)
-        if found is None:
+        delay = _delay(ours[begin : begin + length], there, margin, rate)
+        if delay is None:
             continue
-        shift, correlation, repeat = found
+        shift, correlation, repeat = delay
         period = period or repeat
         centres.append(middle)
         delays.append(guess + shift)
@@ -420,19 +421,19 @@ def clocks_of_delays(
     # delay = offset + drift t, each window weighted by its correlation.
     matrix = np.stack([np.ones(len(times)), times], axis=1)
     root = np.sqrt(weights)
-    found = np.linalg.lstsq(matrix * root[:, None], delays * root, rcond=None)[0]
-    left = delays - matrix @ found
+    line = np.linalg.lstsq(matrix * root[:, None], delays * root, rcond=None)[0]
+    left = delays - matrix @ line
     # Covariance s^2 (A^T W A)^-1 of offset and slope, s^2 the variance of a window of weight 1; neighbouring windows
     # err alike, which the variance factor counts.
     deviation = float(np.sqrt(np.sum(weights * left**2) / (len(left) - 2)))
     inverse = np.linalg.inv(matrix.T @ (matrix * weights[:, None]))
     half = HALF_WIDTH_DEVIATIONS * deviation * np.sqrt(np.diag(inverse) * variance_factor(left))
-    said = f"clocks from the delay of {name} in {len(times)} windows: {1e6 * found[1]:.4g} ppm, offset {found[0]:.6g} s"
+    said = f"clocks from the delay of {name} in {len(times)} windows: {1e6 * line[1]:.4g} ppm, offset {line[0]:.6g} s"
     remarks: list[NoteOrText] = [said]
     if period:
         text = f"{name} repeats itself: the offset is open by whole multiples of {period:.4g} s"
         remarks.append(warning(f"{text}; {COMMON}"))
     return ClockDrift(
-        float(found[1]), float(half[1]), float(found[0]), float("inf") if period else float(half[0]), period,
+        float(line[1]), float(half[1]), float(line[0]), float("inf") if period else float(half[0]), period,
         tuple(remarks),
     )  # fmt: skip

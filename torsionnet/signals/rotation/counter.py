@@ -132,10 +132,10 @@ def pulse_channel(name: str, values: ArrayLike, reading: PulseReading, factor: f
 
     Examples
     --------
-    >>> found = pulse_channel("n1", [65000, 65300, 64, 364], PulseReading(tick="1 us", bits=16))
-    >>> found.times.round(9).tolist()
+    >>> channel = pulse_channel("n1", [65000, 65300, 64, 364], PulseReading(tick="1 us", bits=16))
+    >>> channel.times.round(9).tolist()
     [0.065, 0.0653, 0.0656, 0.0659]
-    >>> found.notes[1]
+    >>> channel.notes[1]
     'unwrapped: 1 wrap of 16 bits'
     """
     raw = _numbers(name, values)
@@ -241,7 +241,7 @@ def _unwrapped(name: str, counts: FloatArray, reading: PulseReading) -> tuple[Fl
     wraps = steps < 0
     steps = np.where(wraps, steps + span, steps)
     _check_wraps(name, steps, span, reading)
-    found = counts[0] + np.concatenate([[0.0], np.cumsum(steps)])
+    unwrapped = counts[0] + np.concatenate([[0.0], np.cumsum(steps)])
     total = int(np.count_nonzero(wraps))
     remarks.append(f"unwrapped: {total} wrap{'s' * (total != 1)} of {reading.bits} bits")
     seconds = reading.seconds
@@ -251,7 +251,7 @@ def _unwrapped(name: str, counts: FloatArray, reading: PulseReading) -> tuple[Fl
     limit += f": below {1 / (span * seconds):.4g} pulses a second"
     is_near = longest > NEAR_WRAP * span * seconds
     remarks.append(warning(f"{limit}; the longest interval is {longest:.4g} s") if is_near else limit)
-    return found, remarks
+    return unwrapped, remarks
 
 
 def _check_wraps(name: str, steps: FloatArray, span: float, reading: PulseReading) -> None:

@@ -90,8 +90,8 @@ class CalculatedOrders:
         # From the zero of the calculation to tooth 0: X exp(j o zero).
         turning = np.exp(1j * order * self.zero)
         both = np.vstack([self.known[place], self.shapes[:, place]]) * turning
-        found = self._between(both, np.clip(speeds, self.speeds[0], self.speeds[-1]))
-        return found[0], found[1:].T
+        values = self._between(both, np.clip(speeds, self.speeds[0], self.speeds[-1]))
+        return values[0], values[1:].T
 
     def _between(self, values: ComplexArray, speeds: FloatArray) -> ComplexArray:
         if len(self.speeds) < 2:
@@ -162,8 +162,8 @@ def constant_part(
     Examples
     --------
     >>> speed = np.array([1.0, 2.0, 4.0, 5.0])
-    >>> found = constant_part(3j + 2 / speed**2, (1 / speed**2)[:, None].astype(complex), np.arange(4))
-    >>> bool(abs(found.value - 3j) < 1e-9), bool(found.half_width < 1e-9)
+    >>> part = constant_part(3j + 2 / speed**2, (1 / speed**2)[:, None].astype(complex), np.arange(4))
+    >>> bool(abs(part.value - 3j) < 1e-9), bool(part.half_width < 1e-9)
     (True, True)
     """
     # Columns scaled to a largest value of 1; those of no vibration at all would make the fit singular.
@@ -354,8 +354,8 @@ class PitchEvidence:
             return self._judged(order, self._alone(-first), NO_VIBRATION, gain)
         # The second pickup reads V - P exp(-j o alpha), the first V - P: in the difference V drops out.
         if second is not None and gain is not None and self.angle is not None and gain >= LEAST_GAIN:
-            found = self._alone((second - first) / (1 - np.exp(-1j * order * self.angle)), np.sqrt(2) / gain)
-            return self._judged(order, found, TWO_PICKUPS, gain)
+            constant = self._alone((second - first) / (1 - np.exp(-1j * order * self.angle)), np.sqrt(2) / gain)
+            return self._judged(order, constant, TWO_PICKUPS, gain)
         if self.calculated is not None:
             if self.calculated.place(relative) is None:
                 return self._judged(order, self._alone(-first), ABOVE_CALCULATED, gain)
@@ -363,30 +363,34 @@ class PitchEvidence:
             known, shapes = self._calculated(self.calculated, relative)
             return self._judged(order, self._constant(known - first, self._by_load(shapes)), CALCULATED, gain)
         if second is not None:
-            found = self._alone(-first)
+            constant = self._alone(-first)
             at = np.degrees(self.angle or 0)
             why = f"pickups at {at:.5g} degrees are blind there; calculated orders of a model, or another angle, tell"
-            return PitchOrder(order, found.value, found.half_width, False, SPEEDS, gain, 0.0, found.scatter, why)
+            return PitchOrder(
+                order, constant.value, constant.half_width, False, SPEEDS, gain, 0.0, constant.scatter, why
+            )
         # With one pickup P is what stays over speed, while V follows the shapes of a rigid shaft and of the poles.
-        found = self._constant(-first, self._by_load(self._shapes(relative)))
-        one = self._judged(order, found, SPEEDS, gain)
+        constant = self._constant(-first, self._by_load(self._shapes(relative)))
+        judged = self._judged(order, constant, SPEEDS, gain)
         if self.constant_orders is None or any(abs(relative - other) < 1e-6 for other in self.constant_orders):
             why = CONSTANT_TOO
-            return PitchOrder(order, one.value, one.half_width, False, SPEEDS, gain, one.change, one.scatter, why)
-        return one
+            return PitchOrder(
+                order, judged.value, judged.half_width, False, SPEEDS, gain, judged.change, judged.scatter, why
+            )
+        return judged
 
-    def _judged(self, order: int, found: ConstantPart, by: str, gain: float | None) -> PitchOrder:
-        resolved = found.half_width <= self.widest
-        why = "" if resolved else self._too_wide(found)
+    def _judged(self, order: int, constant: ConstantPart, by: str, gain: float | None) -> PitchOrder:
+        resolved = constant.half_width <= self.widest
+        why = "" if resolved else self._too_wide(constant)
         return PitchOrder(
-            order, found.value, found.half_width, resolved, by, gain, found.change, found.scatter, why
+            order, constant.value, constant.half_width, resolved, by, gain, constant.change, constant.scatter, why
         )  # fmt: skip
 
-    def _too_wide(self, found: ConstantPart) -> str:
+    def _too_wide(self, constant: ConstantPart) -> str:
         low, high = self.speeds.min() * RPM, self.speeds.max() * RPM
         return (
-            f"over {low:.4g} to {high:.4g} rpm the vibration changes by {np.degrees(found.change):.2g} degrees, the "
-            f"scatter is {np.degrees(found.scatter):.2g}; a wider range of speeds, or longer records, help"
+            f"over {low:.4g} to {high:.4g} rpm the vibration changes by {np.degrees(constant.change):.2g} degrees, the "
+            f"scatter is {np.degrees(constant.scatter):.2g}; a wider range of speeds, or longer records, help"
         )
 
     def _alone(self, values: ComplexArray, factor: float = 1.0) -> ConstantPart:
@@ -402,7 +406,7 @@ class PitchEvidence:
         once = factor * np.sqrt(2 / (there * self.turns)) * self.time * self.speeds / self.wheel.ratio
         # Variance of real and of imaginary part between windows of one speed, for a single period.
         inside = [values[self.groups == group] for group in range(self.groups.max() + 1)]
-        spread = sum(float((np.abs(one - one.mean()) ** 2).sum()) for one in inside)
+        spread = sum(float((np.abs(at_speed - at_speed.mean()) ** 2).sum()) for at_speed in inside)
         seen = self.periods * spread / 2 / max(len(values) - len(inside), 1)
         return constant_part(values, columns, self.groups, repeating(once**2, seen))
 
@@ -411,7 +415,7 @@ class PitchEvidence:
         frequency = relative * self.speeds
         rigid = [(self.speeds.max() / self.speeds) ** 2 + 0j]
         near = [1 / ((pole - 1j * frequency) * (pole.conjugate() - 1j * frequency)) for pole in self.poles]
-        return np.column_stack([*rigid, *(one / np.abs(one).max() for one in near)])
+        return np.column_stack([*rigid, *(resonance / np.abs(resonance).max() for resonance in near)])
 
     def _calculated(self, calculated: CalculatedOrders, relative: float) -> tuple[ComplexArray, ComplexArray]:
         """Known amplitudes (n,) and shapes (n, m) of the wheel's own angle in rad, 0 at its tooth 0."""

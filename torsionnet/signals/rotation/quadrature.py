@@ -73,8 +73,8 @@ def quadrature_pulses(
     Examples
     --------
     >>> quarter = np.arange(12) * 0.25
-    >>> found = quadrature_pulses("n1", (quarter[::4], quarter[2::4]), (quarter[1::4], quarter[3::4]))
-    >>> found.times.tolist(), found.numbers.tolist()
+    >>> pulses = quadrature_pulses("n1", (quarter[::4], quarter[2::4]), (quarter[1::4], quarter[3::4]))
+    >>> pulses.times.tolist(), pulses.numbers.tolist()
     ([0.0, 1.0, 2.0], [0, 1, 2])
     """
     times = np.concatenate([first[0], second[0], first[1], second[1]])
@@ -160,9 +160,9 @@ def refuse_turning_back(times: FloatArray, name: str) -> None:
         near = np.minimum(steps[FAR - NEAR : -FAR - NEAR], steps[FAR + NEAR : len(steps) - FAR + NEAR])
         closer = np.minimum(steps[FAR - 1 : -FAR - 1], steps[FAR + 1 : len(steps) - FAR + 1])
         # At a standstill intervals grow like 1/sqrt(pulses to it) from both sides; at a gap a single one is long.
-        found = (near > GROWTH * far) & (closer >= near) & (here > LAST_GROWTH * far)
-        if found.any() and here[found].max() > longest:
-            at = np.flatnonzero(found)[here[found].argmax()]
+        still = (near > GROWTH * far) & (closer >= near) & (here > LAST_GROWTH * far)
+        if still.any() and here[still].max() > longest:
+            at = np.flatnonzero(still)[here[still].argmax()]
             longest, place = float(here[at]), begin + FAR + int(at)
     if place >= 0:
         raise UsageError(

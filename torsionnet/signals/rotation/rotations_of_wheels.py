@@ -54,7 +54,7 @@ def rotations_of_wheels(
     >>> print(f"{rotations_of_wheels(record, {'n1': WheelChannel(teeth=60)})['n1'].revolutions:.3f}")
     9.983
     """
-    found: dict[str, WheelRotation] = {}
+    rotations: dict[str, WheelRotation] = {}
     faults: list[Fault] = []
     for name, wheel in wheels.items():
         try:
@@ -62,12 +62,12 @@ def rotations_of_wheels(
             reading = (marks or {}).get(mark) or counted_reading(wheel)
             pulses = wheel_pulses(recording, mark, reading) if mark else None
             pattern = (patterns or {}).get(name)
-            found[name] = wheel_rotation(wheel_pulses(recording, name, wheel), wheel, pattern, index=pulses)
+            rotations[name] = wheel_rotation(wheel_pulses(recording, name, wheel), wheel, pattern, index=pulses)
         except UsageError as error:
             faults.append(error.fault)
     if faults:
         raise ModelError(faults, recording.title or "record")
-    return found
+    return rotations
 
 
 # Rotation of a shaft from long trains of pulses, block by block, so that the memory does not grow with the record.
@@ -111,9 +111,9 @@ def iter_wheel_rotations(
     --------
     >>> channel = PulseChannel("n1", np.arange(3000) / 600)
     >>> blocks = list(iter_wheel_rotations(channel, Wheel(teeth=60), pulses_per_block=1000))
-    >>> [(round(one.start, 3), round(one.stop, 3)) for one in blocks]
+    >>> [(round(block.start, 3), round(block.stop, 3)) for block in blocks]
     [(0.0, 1.667), (1.667, 3.333), (3.333, 4.998)]
-    >>> [round(float(one.rotation.angle(np.array([one.stop]))[0] / (2 * np.pi)), 3) for one in blocks]
+    >>> [round(float(block.rotation.angle(np.array([block.stop]))[0] / (2 * np.pi)), 3) for block in blocks]
     [16.667, 33.333, 49.983]
     """
     times, begin, before = channel.times, 0, None
@@ -123,18 +123,18 @@ def iter_wheel_rotations(
         last = len(times) - end < pulses_per_block // 2
         part = replace(channel, times=times[begin : None if last else end])
         if before is None:
-            found = wheel_rotation(part, wheel, pattern, index=index, first=first)
+            rotation = wheel_rotation(part, wheel, pattern, index=index, first=first)
         else:
             # The first pulse of a part is in the overlap: its tooth is that which the part before has counted.
             number = int(before.numbers[np.searchsorted(before.times, times[begin])])
             counted = wheel_rotation(part, wheel, pattern, first=number % wheel.teeth)
-            found = replace(counted, numbers=counted.numbers + (number - number % wheel.teeth), zero=before.zero)
-        stop = float(found.times[-1] if last else found.times[-OVERLAP])
-        yield RotationBlock(found, start, stop)
+            rotation = replace(counted, numbers=counted.numbers + (number - number % wheel.teeth), zero=before.zero)
+        stop = float(rotation.times[-1] if last else rotation.times[-OVERLAP])
+        yield RotationBlock(rotation, start, stop)
         if last:
             return
-        start, before = stop, found
-        begin = int(np.searchsorted(times, found.times[-2 * OVERLAP]))
+        start, before = stop, rotation
+        begin = int(np.searchsorted(times, rotation.times[-2 * OVERLAP]))
 
 
 # Record of angle, speed and uncertainty of wheels, at the times of channels kept or at the rate of the pulses.
@@ -177,9 +177,9 @@ def angle_record(
     >>> angle_record(Recording((), 600.0), [wheel]).names
     ('n1 angle', 'n1 speed', 'n1 angle deviation')
     """
-    first, last = max(one.times[0] for one in wheels), min(one.times[-1] for one in wheels)
+    first, last = max(wheel.times[0] for wheel in wheels), min(wheel.times[-1] for wheel in wheels)
     if not last > first:
-        spans = "; ".join(f"{one.name} from {one.times[0]:.6g} to {one.times[-1]:.6g} s" for one in wheels)
+        spans = "; ".join(f"{wheel.name} from {wheel.times[0]:.6g} to {wheel.times[-1]:.6g} s" for wheel in wheels)
         raise UsageError(f"the pulses have no time in common: {spans}", kind="unlike-results")
     kept = recording.select(keep) if keep else replace(recording, signals=(), times=None)
     notes = list(recording.notes)
@@ -194,13 +194,13 @@ def angle_record(
         if not inside.all():
             notes.append(f"cut to where there are pulses: from {times[inside][0]:.6g} to {times[inside][-1]:.6g} s")
         times = times[inside]
-        signals = tuple(replace(one, values=one.values[inside]) for one in kept)
+        signals = tuple(replace(signal, values=signal.values[inside]) for signal in kept)
         stamps = None if kept.times is None else times
         kept = replace(kept, signals=signals, start=float(times[0]), times=stamps)
     else:
         # With no signals to go by, samples are as close as the closest pulses.
-        rate = sampling_rate or max(float(np.ceil(1 / np.diff(one.times).min())) for one in wheels)
-        times = even_times(float(first), float(last), rate, max(len(one.times) for one in wheels), "pulses")
+        rate = sampling_rate or max(float(np.ceil(1 / np.diff(wheel.times).min())) for wheel in wheels)
+        times = even_times(float(first), float(last), rate, max(len(wheel.times) for wheel in wheels), "pulses")
         kept = replace(kept, sampling_rate=rate, start=float(first))
     notes += [warning(text) for text in (*_unequal(wheels, first, last), *_coarse(wheels, kept.sampling_rate))]
     made = tuple(signal for wheel in wheels for signal in _signals(wheel, times))
@@ -222,27 +222,27 @@ def _signals(wheel: WheelRotation, times: FloatArray) -> tuple[Signal, Signal, S
 def _unequal(wheels: Sequence[WheelRotation], first: float, last: float) -> list[str]:
     """Remarks on wheels that show other turns of the reference shaft than the first one."""
     ends = np.array([first, last])
-    turns = [abs(float(np.diff(one.angle(ends))[0])) / (2 * np.pi) for one in wheels]
+    turns = [abs(float(np.diff(wheel.angle(ends))[0])) / (2 * np.pi) for wheel in wheels]
     return [
-        f"{one.name} shows {count:.4f} turns of the reference shaft, {wheels[0].name} {turns[0]:.4f}: the teeth or the "
-        "ratio of one are wrong, or something between them slips"
-        for one, count in zip(wheels[1:], turns[1:], strict=True)
+        f"{wheel.name} shows {count:.4f} turns of the reference shaft, {wheels[0].name} {turns[0]:.4f}: the teeth or "
+        "the ratio of one are wrong, or something between them slips"
+        for wheel, count in zip(wheels[1:], turns[1:], strict=True)
         if abs(count - turns[0]) > SPEED_TOLERANCE * turns[0] + 1
     ]
 
 
 def _coarse(wheels: Sequence[WheelRotation], rate: float) -> list[str]:
     """Remarks on wheels of which the teeth tell higher orders than the samples hold."""
-    found = []
-    for one in wheels:
-        fastest = float(np.abs(one.speeds).max()) / (2 * np.pi)
+    remarks = []
+    for wheel in wheels:
+        fastest = float(np.abs(wheel.speeds).max()) / (2 * np.pi)
         held = rate / (2 * fastest)
-        if held < one.highest_order:
-            found.append(
-                f"{one.name}: {rate:g} Hz hold orders up to {held:.3g} at {60 * fastest:.4g} rpm, and higher ones "
-                f"alias: the teeth tell up to {one.highest_order:.3g}"
+        if held < wheel.highest_order:
+            remarks.append(
+                f"{wheel.name}: {rate:g} Hz hold orders up to {held:.3g} at {60 * fastest:.4g} rpm, and higher ones "
+                f"alias: the teeth tell up to {wheel.highest_order:.3g}"
             )
-    return found
+    return remarks
 
 
 # Tooth numbers on a wheel without gap, from a second wheel on the same shaft with another number of teeth.
@@ -284,18 +284,18 @@ def tooth_by_difference(first: WheelRotation, second: WheelRotation, phase: floa
     UsageError
         The counts have a common divisor, the wheels do not turn together, or two teeth fit about as well.
     """
-    one, two = first.wheel.teeth, second.wheel.teeth
-    if gcd(one, two) > 1:
+    teeth, others = first.wheel.teeth, second.wheel.teeth
+    if gcd(teeth, others) > 1:
         raise UsageError(
-            f"{first.name} and {second.name}: {one} and {two} teeth have the common divisor {gcd(one, two)}, so that "
-            "their difference returns within a turn; take counts without one, as 60 and 61",
+            f"{first.name} and {second.name}: {teeth} and {others} teeth have the common divisor {gcd(teeth, others)}, "
+            "so that their difference returns within a turn; take counts without one, as 60 and 61",
             kind="contradicting-values",
         )
     shares = _shares(first, second, int(first.numbers[0]))
     # The phase goes on by n_2/n_1 of a pitch per tooth: all differ where the numbers have no common divisor.
     seen = np.exp(2j * np.pi * shares).mean()
-    expected = np.exp(2j * np.pi * (phase + np.arange(one) * two / one))
-    away = np.abs(np.angle(seen * expected.conj())) / (2 * np.pi) * one
+    expected = np.exp(2j * np.pi * (phase + np.arange(teeth) * others / teeth))
+    away = np.abs(np.angle(seen * expected.conj())) / (2 * np.pi) * teeth
     best = int(away.argmin())
     if away[best] > LARGEST_SHARE:
         raise UsageError(

@@ -30,7 +30,7 @@ EDGE_TOLERANCE = 0.25
 edge does so by jitter now before, now behind it, and tooth 0 would be another one from record to record."""
 
 
-def tooth_after_gap(found: Pulses, wheel: Wheel, name: str) -> tuple[int | None, str]:
+def tooth_after_gap(pulses: Pulses, wheel: Wheel, name: str) -> tuple[int | None, str]:
     """Tooth of the first pulse, counted from the first after the gap of a wheel, and the gap in words.
 
     None where neither the wheel has a gap nor the pulses show one.
@@ -40,13 +40,13 @@ def tooth_after_gap(found: Pulses, wheel: Wheel, name: str) -> tuple[int | None,
     UsageError
         The gap is not there, there are several, or one where the wheel has none.
     """
-    if found.period and wheel.teeth % found.period:
+    if pulses.period and wheel.teeth % pulses.period:
         raise UsageError(
-            f"{name}: pulses are missing every {found.period} pulses, a wheel with a gap, of {found.period} teeth with "
-            f"the missing ones; give this number instead of {wheel.teeth}",
+            f"{name}: pulses are missing every {pulses.period} pulses, a wheel with a gap, of {pulses.period} teeth "
+            f"with the missing ones; give this number instead of {wheel.teeth}",
             kind="unfit-wheel",
         )
-    returning = _returning_gaps(found, wheel.teeth)
+    returning = _returning_gaps(pulses, wheel.teeth)
     fitting = [after for after, missing in returning if missing == wheel.missing_teeth]
     gaps = runs_in_words(returning, wheel.teeth) if returning else ""
     shown = comma_list([f"of {missing} after pulse {after}" for after, missing in returning], 4) or "none"
@@ -60,7 +60,7 @@ def tooth_after_gap(found: Pulses, wheel: Wheel, name: str) -> tuple[int | None,
                 kind="unfit-wheel",
             )
         return None, ""
-    turns = int(found.numbers[-1]) // wheel.teeth
+    turns = int(pulses.numbers[-1]) // wheel.teeth
     if len(fitting) > 1:
         places = " and ".join(f"after pulse {after} of the record" for after in fitting)
         raise UsageError(
@@ -80,12 +80,12 @@ def tooth_after_gap(found: Pulses, wheel: Wheel, name: str) -> tuple[int | None,
     return -first % wheel.teeth, text
 
 
-def _returning_gaps(found: Pulses, teeth: int) -> list[tuple[int, int]]:
+def _returning_gaps(pulses: Pulses, teeth: int) -> list[tuple[int, int]]:
     """Numbers of the pulses of the first turn after which pulses are missing in nearly every turn, and how many."""
     # A gap comes at the same tooth in each turn, lost pulses come anywhere.
-    phases = found.numbers[found.missing.after] % teeth
-    pairs, often = np.unique(np.column_stack([phases, found.missing.counts]), axis=0, return_counts=True)
-    turns = found.numbers[-1] / teeth
+    phases = pulses.numbers[pulses.missing.after] % teeth
+    pairs, often = np.unique(np.column_stack([phases, pulses.missing.counts]), axis=0, return_counts=True)
+    turns = pulses.numbers[-1] / teeth
     returning = pairs[often >= max(FEWEST_TURNS, RETURNING_SHARE * (turns - 1))]
     return [(phase, missing) for phase, missing in returning.tolist()]
 

@@ -99,19 +99,19 @@ def turn_pattern(speeds: FloatArray, sampling_rate: float) -> TurnPattern | None
     lines = 2 * np.fft.rfft(turns - ramp, axis=1)[:, 1 : HIGHEST_ORDER + 1] / POINTS_PER_TURN
     # From speed to angle: an order o at mean speed Omega has d phi/dt = j o Omega phi.
     lines = lines / (1j * np.arange(1, HIGHEST_ORDER + 1) * means[:, None])
-    found = lines.mean(axis=0)
-    spread = np.sqrt(np.mean(np.abs(lines - found) ** 2, axis=0) / count)
-    returning = tuple(int(order) + 1 for order in np.flatnonzero(np.abs(found) > SURE * spread))
-    if 1 not in returning or abs(found[0]) < LEAST_AMPLITUDE:
+    pattern = lines.mean(axis=0)
+    spread = np.sqrt(np.mean(np.abs(lines - pattern) ** 2, axis=0) / count)
+    returning = tuple(int(order) + 1 for order in np.flatnonzero(np.abs(pattern) > SURE * spread))
+    if 1 not in returning or abs(pattern[0]) < LEAST_AMPLITUDE:
         return None
     # A pattern is the same angle at each speed, which one speed alone cannot show: then many orders have to return.
     if np.ptp(means) < SPEED_RANGE * means.mean():
-        return TurnPattern(found, returning, None) if len(returning) >= FEWEST_ORDERS else None
+        return TurnPattern(pattern, returning, None) if len(returning) >= FEWEST_ORDERS else None
     middle = np.median(means)
     low, high = lines[means <= middle, 0], lines[means > middle, 0]
     apart = abs(low.mean() - high.mean())
-    constant = bool(apart < SAME_AMPLITUDE * abs(found[0]) + 3 * float(spread[0]))
-    return TurnPattern(found, returning, True) if constant else None
+    constant = bool(apart < SAME_AMPLITUDE * abs(pattern[0]) + 3 * float(spread[0]))
+    return TurnPattern(pattern, returning, True) if constant else None
 
 
 # First tooth of a record in a stored pitch pattern, found by the shape that its pulses show.
@@ -182,11 +182,11 @@ def best_shift(name: str, positions: FloatArray, seen: FloatArray) -> int:
 
 def _compared(values: FloatArray) -> np.ndarray[tuple[int], np.dtype[np.complex128]]:
     """Spectrum over the teeth of the orders that are compared; others are 0."""
-    found = np.fft.rfft(values)
-    found[: int(MATCHED_SHARE * len(values)) + 1] = 0
+    spectrum = np.fft.rfft(values)
+    spectrum[: int(MATCHED_SHARE * len(values)) + 1] = 0
     if len(values) % 2 == 0:
-        found[-1] /= np.sqrt(2)  # half the tooth count stands once in the spectrum of a full turn, others twice
-    return np.asarray(found)
+        spectrum[-1] /= np.sqrt(2)  # half the tooth count stands once in the spectrum of a full turn, others twice
+    return np.asarray(spectrum)
 
 
 # Whether a stored pitch pattern can be that of a wheel.

@@ -124,8 +124,8 @@ def calibrate_wheel(
     >>> passed = np.arange(40 * teeth)
     >>> places = 2 * np.pi * passed / teeth + positions[passed % teeth]
     >>> pickups = [PulseChannel(n, (places + a) / 100) for n, a in (("A", 0.0), ("B", np.radians(90)))]
-    >>> found = calibrate_wheel([WheelTest(*pickups)], Wheel(teeth=teeth), pickup_angle=np.radians(90))
-    >>> float(np.degrees(found.orders[0].value.real).round(6)), found.pattern.unresolved
+    >>> calibration = calibrate_wheel([WheelTest(*pickups)], Wheel(teeth=teeth), pickup_angle=np.radians(90))
+    >>> float(np.degrees(calibration.orders[0].value.real).round(6)), calibration.pattern.unresolved
     (0.1, (4,))
     """
     if not tests:
@@ -145,14 +145,16 @@ def calibrate_wheel(
     between = (pickup_angle or 0.0) % (2 * np.pi)
     positions = np.zeros(wheel.teeth)
     for _ in range(PASSES):
-        found = [
-            windows_of_test(one.name, one.times, one.numbers, test.second, wheel, orders, between, positions, test.load)
-            for test, one in zip(tests, rotations, strict=True)
+        by_test = [
+            windows_of_test(
+                shaft.name, shaft.times, shaft.numbers, test.second, wheel, orders, between, positions, test.load
+            )
+            for test, shaft in zip(tests, rotations, strict=True)
         ]
-        stack = stacked(found, wheel)
+        stack = stacked(by_test, wheel)
         groups = speed_groups(stack.speeds)
         offset = _offset(stack, groups, positions)
-        steps = max(_time_deviation(one) for one in rotations)
+        steps = max(_time_deviation(rotation) for rotation in rotations)
         # Orders between whole ones are vibration: where they exceed the counter's steps its errors return with the
         # cycle, else with the turn.
         broken = np.abs(orders.orders - np.rint(orders.orders)) > WHOLE_ORDER
@@ -199,14 +201,14 @@ def speed_range(tests: Sequence[WheelTest], wheel: Wheel) -> tuple[float, float]
 
 def _rotation(test: WheelTest, wheel: Wheel) -> WheelRotation:
     """Rotation by the first pickup, whose pulses have their teeth."""
-    found = wheel_rotation(test.first, wheel, index=test.index)
-    if found.backwards or isinstance(found.rotation, ReversingRotation):
+    rotation = wheel_rotation(test.first, wheel, index=test.index)
+    if rotation.backwards or isinstance(rotation.rotation, ReversingRotation):
         raise UsageError(
-            f"{found.name}: by its second track the wheel turns back{'wards' * found.backwards}; a calibration needs "
-            "records in one sense: cut the record, exchange the tracks, or give the ratio a minus sign",
+            f"{rotation.name}: by its second track the wheel turns back{'wards' * rotation.backwards}; a calibration "
+            "needs records in one sense: cut the record, exchange the tracks, or give the ratio a minus sign",
             kind="turning-back",
         )
-    return found
+    return rotation
 
 
 def _time_deviation(pulses: WheelRotation) -> float:
@@ -236,10 +238,10 @@ def _aligned(
         calibrate_wheel([test], wheel, pickup_angle=angle, widest=np.inf).pattern.positions for test in tests
     ]  # fmt: skip
     done = [rotations[0]]
-    for one, positions in zip(rotations[1:], alone[1:], strict=True):
-        shift = best_shift(one.name, alone[0], positions)
+    for rotation, positions in zip(rotations[1:], alone[1:], strict=True):
+        shift = best_shift(rotation.name, alone[0], positions)
         remark = f"tooth {shift} of the first record comes first, by the shape of the pattern"
-        done.append(replace(one, numbers=one.numbers + shift, remarks=(*one.remarks, remark)))
+        done.append(replace(rotation, numbers=rotation.numbers + shift, remarks=(*rotation.remarks, remark)))
     return done
 
 
@@ -248,9 +250,9 @@ def _offset(stack: Stack, groups: NDArray[np.intp], positions: FloatArray) -> tu
     second = stack.second
     if not second:
         return 0.0, 0.0
-    values = np.array([one.terms(positions)[0] for one in second])
-    found = constant_part(values.astype(complex), np.empty((len(values), 0), dtype=complex), groups)
-    return found.value.real, found.half_width * np.sqrt(2)
+    values = np.array([window.terms(positions)[0] for window in second])
+    constant = constant_part(values.astype(complex), np.empty((len(values), 0), dtype=complex), groups)
+    return constant.value.real, constant.half_width * np.sqrt(2)
 
 
 def _converged(stack: Stack, orders: OrderSet, evidence: PitchEvidence) -> tuple[FloatArray, list[PitchOrder]]:
@@ -285,8 +287,8 @@ def _row(
     """Order of the pattern, with what of it is in the positions already."""
     place = orders.place(order)
     others = None if second is None else second[:, place]
-    found = evidence.of(order, order in orders.shared, first[:, place], others)
-    return replace(found, value=found.value + known[order])
+    judged = evidence.of(order, order in orders.shared, first[:, place], others)
+    return replace(judged, value=judged.value + known[order])
 
 
 def _beyond(stack: Stack, positions: FloatArray, orders: OrderSet, wheel: Wheel) -> FloatArray:
@@ -394,8 +396,8 @@ def _result(
     rows += [PitchOrder(order, 0 - pattern.order(order), width, True, ABOVE) for order in above]
     remarks = [
         text
-        for one, test in zip(rotations, stack.tests, strict=True)
-        for text in (*(f"{one.name}: {remark}" for remark in one.remarks), *test.remarks)
+        for rotation, test in zip(rotations, stack.tests, strict=True)
+        for text in (*(f"{rotation.name}: {remark}" for remark in rotation.remarks), *test.remarks)
     ]
     if not known:
         remarks += _loose(stack, positions, wheel)

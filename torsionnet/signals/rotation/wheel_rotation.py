@@ -215,10 +215,10 @@ def wheel_rotation(
     A wheel of 60 teeth at 600 r/min, stamped by a counter of 1 MHz.
 
     >>> times = np.round(np.arange(6000) / 600, 6)
-    >>> found = wheel_rotation(PulseChannel("n1", times, tick=1e-6), Wheel(teeth=60))
-    >>> round(found.revolutions, 3), found.highest_order, round(float(found.speeds.mean() * 30 / np.pi), 3)
+    >>> rotation = wheel_rotation(PulseChannel("n1", times, tick=1e-6), Wheel(teeth=60))
+    >>> round(rotation.revolutions, 3), rotation.highest_order, round(float(rotation.speeds.mean() * 30 / np.pi), 3)
     (99.983, 25.0, 600.0)
-    >>> round(float(np.degrees(found.deviations.tick / np.sqrt(12) * found.speeds.mean())), 5)
+    >>> round(float(np.degrees(rotation.deviations.tick / np.sqrt(12) * rotation.speeds.mean())), 5)
     0.00104
     """
     if pattern is not None:
@@ -240,9 +240,9 @@ def wheel_rotation(
         raise _named(error, channel, wheel) from None
     by_gap: Pulses | None = None
     try:
-        found = _repaired(channel, wheel)
-        result = _of_pulses(found, channel, wheel, pattern, index, first, backwards)
-        if wheel.missing_teeth and (result.repairs or len(found.missing.after) < found.numbers[-1] // wheel.teeth):
+        pulses = _repaired(channel, wheel)
+        result = _of_pulses(pulses, channel, wheel, pattern, index, first, backwards)
+        if wheel.missing_teeth and (result.repairs or len(pulses.missing.after) < pulses.numbers[-1] // wheel.teeth):
             by_gap = pulses_by_gap(channel.times, wheel)  # which lets vibration not pass for lost pulses
         if by_gap is None:
             return result
@@ -272,7 +272,7 @@ def _repaired(channel: PulseChannel, wheel: Wheel) -> Pulses:
 
 
 def _of_pulses(
-    found: Pulses,
+    pulses: Pulses,
     channel: PulseChannel,
     wheel: Wheel,
     pattern: WheelPattern | None,
@@ -281,9 +281,13 @@ def _of_pulses(
     backwards: bool,
 ) -> WheelRotation:
     """Rotation by numbered pulses of a wheel of even pitch, or with its pitch pattern removed."""
-    after_gap, gap = tooth_after_gap(found, wheel, channel.name) if first is None else (None, "")
-    found = replace(found, period=wheel.teeth if wheel.missing_teeth else 0)
-    remarks, repairs, zero = found.remarks, len(found.spurious) + found.irregular.total, "the tooth of the first pulse"
+    after_gap, gap = tooth_after_gap(pulses, wheel, channel.name) if first is None else (None, "")
+    pulses = replace(pulses, period=wheel.teeth if wheel.missing_teeth else 0)
+    remarks, repairs, zero = (
+        pulses.remarks,
+        len(pulses.spurious) + pulses.irregular.total,
+        "the tooth of the first pulse",
+    )
     rotation: Rotation | None = None
     # Tooth 0 by the number given, else by the gap, by an index pulse, or by the shape of the pattern.
     if after_gap is not None:
@@ -291,28 +295,28 @@ def _of_pulses(
     elif first is not None:
         zero = "the tooth given"
     elif index is not None:
-        rotation = Rotation(found.times, found.numbers, wheel.teeth)
-        first = tooth_after_index(rotation, found.times, index, wheel.teeth, channel.name)
+        rotation = Rotation(pulses.times, pulses.numbers, wheel.teeth)
+        first = tooth_after_index(rotation, pulses.times, index, wheel.teeth, channel.name)
         zero = f"the first tooth at or after a pulse of {index.name}"
     elif pattern is not None:
-        first = first_tooth(channel.name, found.times, found.numbers, wheel, pattern)
+        first = first_tooth(channel.name, pulses.times, pulses.numbers, wheel, pattern)
         zero = f"tooth 0 of the pattern, by its shape: the first pulse is of tooth {first}"
     offsets = None
     if pattern is not None:
-        offsets, rotation = _offsets(pattern, found.numbers + (first or 0), channel.name), None
+        offsets, rotation = _offsets(pattern, pulses.numbers + (first or 0), channel.name), None
     if rotation is None:
-        rotation = Rotation(found.times, found.numbers, wheel.teeth, offsets)
+        rotation = Rotation(pulses.times, pulses.numbers, wheel.teeth, offsets)
     if pattern is None and rotation.alternation > MOST_ALTERNATION:
         raise UsageError(
             f"{channel.name}: every second pulse stands {rotation.alternation:.2g} pitches beside the middle of its "
             "neighbours: are rising and falling flanks both counted? take one kind (edge: rising), or give the pattern "
-            f"of the wheel{lobes_in_words(found.times, wheel.teeth)}",
+            f"of the wheel{lobes_in_words(pulses.times, wheel.teeth)}",
             kind="unfit-wheel",
         )
-    deviations = _deviations(channel, wheel, pattern, found.times, found.numbers, offsets)
-    numbers = found.numbers + first if first else found.numbers
+    deviations = _deviations(channel, wheel, pattern, pulses.times, pulses.numbers, offsets)
+    numbers = pulses.numbers + first if first else pulses.numbers
     return WheelRotation(
-        channel.name, wheel, found.times, numbers, rotation, remarks, deviations, gap, zero, backwards, repairs
+        channel.name, wheel, pulses.times, numbers, rotation, remarks, deviations, gap, zero, backwards, repairs
     )  # fmt: skip
 
 

@@ -70,10 +70,10 @@ def dialect_of(lines: Iterable[str], file: str, separator: str | None, decimal: 
     said: dict[str, tuple[int, str]] = {}
     between = "\t"
     for number, line in enumerate(lines, 1):
-        found = re.match(r"(Separator|Decimal_Separator|Delta_X|X_Value)([\t,;])\s*([^\t\r\n]*)", line)
-        if found:
-            between = found[2] if found[1] != "Decimal_Separator" else between
-            said.setdefault(found[1], (number, found[3].strip(" ,;") or found[3].strip()))
+        match = re.match(r"(Separator|Decimal_Separator|Delta_X|X_Value)([\t,;])\s*([^\t\r\n]*)", line)
+        if match:
+            between = match[2] if match[1] != "Decimal_Separator" else between
+            said.setdefault(match[1], (number, match[3].strip(" ,;") or match[3].strip()))
     number, word = said.get("Separator", (1, ""))
     known = SEPARATORS.get(word.casefold())
     if word and known is None and separator is None:
@@ -218,10 +218,10 @@ def _segment(file: str, dialect: Dialect, entries: Mapping[str, _Entry], heading
             faults.append(
                 Fault(text, position=entries["Delta_X"].place(file, dialect.separator, at), kind="out-of-range")
             )
-    for what, found in (("Delta_X", intervals), ("X0", starts)):
-        odd = next(((at, value) for at, value in found if value != found[0][1]), None)
+    for what, given in (("Delta_X", intervals), ("X0", starts)):
+        odd = next(((at, value) for at, value in given if value != given[0][1]), None)
         if odd is not None:
-            text = f"channels have {what} of {found[0][1]:g} and {odd[1]:g} s: they were not sampled together"
+            text = f"channels have {what} of {given[0][1]:g} and {odd[1]:g} s: they were not sampled together"
             position = entries[what].place(file, dialect.separator, odd[0])
             faults.append(Fault(f"{text}; save them in files of their own", position=position, kind="unlike-results"))
     near = UNIFORM_TOLERANCE * (intervals[0][1] if intervals else 0.0)
@@ -246,25 +246,25 @@ def _segment(file: str, dialect: Dialect, entries: Mapping[str, _Entry], heading
 
 
 def _cells(entries: Mapping[str, _Entry], key: str, count: int) -> list[str]:
-    found = entries[key].cells[:count] if key in entries else []
-    return [*found, *[""] * (count - len(found))]
+    cells = entries[key].cells[:count] if key in entries else []
+    return [*cells, *[""] * (count - len(cells))]
 
 
 def _whole(entry: _Entry | None, key: str, file: str, dialect: Dialect, faults: list[Fault]) -> int | None:
-    found = _numbers(entry, key, file, dialect, faults)
-    return int(found[0][1]) if found else None
+    numbers = _numbers(entry, key, file, dialect, faults)
+    return int(numbers[0][1]) if numbers else None
 
 
 def _numbers(
     entry: _Entry | None, key: str, file: str, dialect: Dialect, faults: list[Fault]
 ) -> list[tuple[int, float]]:
     """Numbers of an entry of a header with the number of their cell, whatever their decimal sign."""
-    found = []
+    numbers = []
     for at, cell in enumerate(entry.cells if entry else (), 1):
         assert entry is not None
         value = float(cell.replace(",", ".")) if _NUMBER.fullmatch(cell) else float("nan")
         if abs(value) <= LARGEST_NUMBER:
-            found.append((at, value))
+            numbers.append((at, value))
         elif cell:
             faults.append(
                 Fault(
@@ -273,10 +273,10 @@ def _numbers(
                     kind="not-a-number",
                 )
             )
-    return found
+    return numbers
 
 
 def _clock(text: str) -> float | None:
     """Seconds since midnight of a time of day such as ``10:12:13.001``, None for other text."""
-    found = re.fullmatch(r"(\d{1,2}):(\d{2}):(\d{2}(?:[.,]\d+)?)", text.strip())
-    return int(found[1]) * 3600 + int(found[2]) * 60 + float(found[3].replace(",", ".")) if found else None
+    match = re.fullmatch(r"(\d{1,2}):(\d{2}):(\d{2}(?:[.,]\d+)?)", text.strip())
+    return int(match[1]) * 3600 + int(match[2]) * 60 + float(match[3].replace(",", ".")) if match else None

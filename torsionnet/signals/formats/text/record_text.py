@@ -55,8 +55,8 @@ def description_in(comments: Iterable[str], key: str) -> str | None:
     >>> description_in(["% a comment", '# torsionnet_recording: {"title": "run 7"}'], "torsionnet_recording")
     '{"title": "run 7"}'
     """
-    found = (re.match(rf"#\s*{key}:\s*(.*)", comment) for comment in comments)
-    return next((match[1] for match in found if match), None)
+    matches = (re.match(rf"#\s*{key}:\s*(.*)", comment) for comment in comments)
+    return next((match[1] for match in matches if match), None)
 
 
 def write_columns(
@@ -95,8 +95,8 @@ def scope_heading(dialect: Dialect, above: Sequence[str], width: int) -> ScopeHe
     """Heading of an oscilloscope's file in the lines above its numbers, None where there is none of these kinds.
 
     >>> lines = ["X,CH1,Start,Increment,", "Sequence,Volt,-1.2E-02,1.0E-04,"]
-    >>> found = scope_heading(Dialect(","), lines, 3)
-    >>> found.headings.names, found.headings.units, found.start, found.interval
+    >>> scope = scope_heading(Dialect(","), lines, 3)
+    >>> scope.headings.names, scope.headings.units, scope.start, scope.interval
     (('X', 'CH1', ''), ('Sequence', 'Volt', ''), -0.012, 0.0001)
     """
     if len(above) > 1:
@@ -189,26 +189,26 @@ def _with_stated_clock(source: Source, scope: ScopeHeading) -> Source:
     """Source of an oscilloscope's file without its counts of samples, with the clock of its heading."""
     if not scope.interval > 0:
         raise ValueError(f"the heading says {scope.interval:g} s between samples; the time between two is positive")
-    channels = tuple(one for one in source.channels[scope.skipped :] if one.name)
+    channels = tuple(channel for channel in source.channels[scope.skipped :] if channel.name)
     return replace(source, channels=channels, rate=1 / scope.interval, start=scope.start)
 
 
 def _with_notes(source: Source, notes: tuple[str, ...], scope: ScopeHeading | None, stamps: set[int]) -> Source:
     """Source with the clocks of its columns; those of time stamps that hold for none, being equal, are left out."""
-    found = source if scope else with_table_clocks(source.with_time_channel(), stamps)
+    clocked = source if scope else with_table_clocks(source.with_time_channel(), stamps)
     source.discovered[:0] = notes
-    equal = [one for one in found.channels if one.column in stamps]
-    kept = tuple(one for one in found.channels if one not in equal)
-    return replace(found, channels=kept, notes=(*found.notes, *(_left_out(one.name) for one in equal)))
+    equal = [channel for channel in clocked.channels if channel.column in stamps]
+    kept = tuple(channel for channel in clocked.channels if channel not in equal)
+    return replace(clocked, channels=kept, notes=(*clocked.notes, *(_left_out(channel.name) for channel in equal)))
 
 
 def _headings(dialect: Dialect, above: Sequence[str], width: int, stamped: Sequence[tuple[int, ...]]) -> Headings:
     """Headings of columns, where one heading may stand over a date and a time in two columns."""
-    found = headings(dialect, above, width)
+    whole = headings(dialect, above, width)
     pair = next((columns for columns in stamped if len(columns) > 1), None)
-    shorter = headings(dialect, above, width - 1) if pair and not found.lines else found
-    if pair is None or shorter.lines == found.lines:
-        return found
+    shorter = headings(dialect, above, width - 1) if pair and not whole.lines else whole
+    if pair is None or shorter.lines == whole.lines:
+        return whole
     names, units = ([*parts[: pair[1]], "", *parts[pair[1] :]] for parts in (shorter.names, shorter.units))
     return replace(shorter, names=tuple(names), units=tuple(units))
 
@@ -259,7 +259,7 @@ def _source(
 
     def blocks(columns: Sequence[int], count: int) -> Iterator[list[FloatArray]]:
         file.seek(start)
-        clock = next((one for one in clocks if one[0] in columns), clocks[0] if clocks else ())
+        clock = next((clock for clock in clocks if clock[0] in columns), clocks[0] if clocks else ())
         unread = frozenset(every - {*clock})
         rows = NumberRows(
             file, path.name, dialect, width, first + 1, heading.names, own, no_number=no_number, unread=unread,
@@ -321,10 +321,10 @@ def _later(dialect: Dialect, lines: Sequence[str], clocks: Sequence[tuple[int, .
         next((text for row in rows if (text := " ".join(row[at] for at in clock if at < len(row)).strip())), "")
         for clock in clocks
     ]
-    found, wrong = StampReader().seconds(texts)
+    seconds, wrong = StampReader().seconds(texts)
     if wrong and rows:
         raise ValueError(f"columns of time stamps are not written alike: {wrong[0][1]}")
-    return {clock: float(late) if rows else 0.0 for clock, late in zip(clocks, found, strict=True)}
+    return {clock: float(late) if rows else 0.0 for clock, late in zip(clocks, seconds, strict=True)}
 
 
 def write(recording: Recording, path: Path) -> None:

@@ -70,27 +70,29 @@ class _HeadingError(FaultyValueError):
 
 def headings(line: str, separator: str, place: Position) -> list[ColumnHeading]:
     """Headings of all columns of a table of frequency responses; ModelError lists all that are not understood."""
-    found: list[ColumnHeading] = []
+    columns: list[ColumnHeading] = []
     places: list[Position] = []
     faults: list[Fault] = []
     for column, text in enumerate(next(csv.reader([line], delimiter=separator))):
         start = line.find(text) + 1
         places.append(Position(place.file, place.line, start, start + len(text), line))
         try:
-            found.append(_heading(text.strip(), first=column == 0))
+            columns.append(_heading(text.strip(), first=column == 0))
         except _HeadingError as error:
             faults.append(error.fault.at(places[-1]))
-    faults += [fault.at(place if at is None else places[at]) for fault, at in _incomplete(found)] if not faults else []
+    faults += (
+        [fault.at(place if at is None else places[at]) for fault, at in _incomplete(columns)] if not faults else []
+    )
     if faults:
         raise ModelError(faults, place.file)
-    return found
+    return columns
 
 
-def _incomplete(found: list[ColumnHeading]) -> list[tuple[Fault, int | None]]:
+def _incomplete(columns: list[ColumnHeading]) -> list[tuple[Fault, int | None]]:
     """Faults of responses that lack a column or have one twice, each with the place of their last column."""
     kinds: dict[tuple[str, str], list[str]] = {}
     last: dict[tuple[str, str], int] = {}
-    for at, heading in enumerate(found):
+    for at, heading in enumerate(columns):
         if heading.pair:
             kinds.setdefault(heading.pair, []).append(heading.kind)
             last[heading.pair] = at
@@ -120,9 +122,9 @@ def _heading(text: str, *, first: bool) -> ColumnHeading:
     if what == "conditioning":
         return ColumnHeading("conditioning")
     for kind, pattern in _KINDS:
-        found = pattern.fullmatch(what)
-        if found:
-            return _pair(kind, found["pair"], unit)
+        named = pattern.fullmatch(what)
+        if named:
+            return _pair(kind, named["pair"], unit)
     raise _HeadingError(f'"{text}" is no heading of a frequency response; {EXPECTED}', kind="unknown-entry")
 
 
@@ -245,8 +247,8 @@ def _apart_from(comments: list[str], lines: Iterable[str]) -> Iterator[str]:
         yield "\n" if line.startswith("#") else line
 
 
-def _without_configuration(found: dict[str, None], lines: Iterable[str]) -> Iterator[str]:
-    """Yield the lines of a table without a first column of configurations, whose names are collected in ``found``."""
+def _without_configuration(configurations: dict[str, None], lines: Iterable[str]) -> Iterator[str]:
+    """Yield the lines of a table without a first column, whose names are collected in ``configurations``."""
     beginning = ""
     for line in lines:
         if not beginning and line.strip():
@@ -256,7 +258,7 @@ def _without_configuration(found: dict[str, None], lines: Iterable[str]) -> Iter
             yield line
         else:
             name, *cells = next(csv.reader([line.rstrip("\n")], delimiter=beginning))
-            found[name] = None
+            configurations[name] = None
             yield beginning.join(cells) + "\n" * line.endswith("\n")
 
 
@@ -270,16 +272,18 @@ def _no_number(cell: str) -> str:
 
 
 def _own(text: str, kinds: list[str], numbers: FloatArray) -> FrequencyResponse:
-    found = {kind: numbers[:, [at for at, other in enumerate(kinds) if other == kind]] for kind in dict.fromkeys(kinds)}
+    columns = {
+        kind: numbers[:, [at for at, other in enumerate(kinds) if other == kind]] for kind in dict.fromkeys(kinds)
+    }
     said = parse_description(text)
     shape = (len(numbers), len(said["outputs"]), len(said["inputs"]))
     values = np.empty(shape, dtype=complex)
-    values.real, values.imag = found["re"].reshape(shape), found["im"].reshape(shape)
-    whole: dict[str, Any] = {"frequencies": found["frequency"][:, 0], "values": values}
-    if "coherence" in found:
-        whole["coherence"] = found["coherence"].reshape(shape)
-    if "conditioning" in found:
-        whole["conditioning"] = found["conditioning"][:, 0]
+    values.real, values.imag = columns["re"].reshape(shape), columns["im"].reshape(shape)
+    whole: dict[str, Any] = {"frequencies": columns["frequency"][:, 0], "values": values}
+    if "coherence" in columns:
+        whole["coherence"] = columns["coherence"].reshape(shape)
+    if "conditioning" in columns:
+        whole["conditioning"] = columns["conditioning"][:, 0]
     return response_from(text, whole)
 
 
@@ -291,8 +295,8 @@ def _foreign(
     for at, column in enumerate(columns):
         if column.pair is not None:
             parts.setdefault(column.pair, {})[column.kind] = (column, numbers[at])
-    for pair, found in parts.items():
-        matrix.pairs[pair] = _single(found)
+    for pair, of_pair in parts.items():
+        matrix.pairs[pair] = _single(of_pair)
     notes = resolve_units(matrix.pairs)
     kept = [comment for comment in comments[1:] if comment not in ("", SIGN_NOTE) and not is_key(comment)]
     conditioning = [numbers[at] for at, column in enumerate(columns) if column.kind == "conditioning"]
@@ -300,22 +304,22 @@ def _foreign(
         "conditioning": conditioning[0] if conditioning else None,
         "usable_up_to": usable_limit_in(comments),
         "estimation": estimation_in(comments),
-        "has_phase": not any("phase" not in found and "re" not in found for found in parts.values()),
+        "has_phase": not any("phase" not in of_pair and "re" not in of_pair for of_pair in parts.values()),
     }
     return matrix.response(path.name, comments[0] if comments else path.stem, (*kept, *notes), **more)
 
 
-def _single(found: dict[str, tuple[ColumnHeading, FloatArray]]) -> SingleResponse:
-    if "re" in found:
-        heading, real = found["re"]
+def _single(columns: dict[str, tuple[ColumnHeading, FloatArray]]) -> SingleResponse:
+    if "re" in columns:
+        heading, real = columns["re"]
         values = np.empty(len(real), dtype=complex)
-        values.real, values.imag = real, found["im"][1]
+        values.real, values.imag = real, columns["im"][1]
     else:
-        heading, magnitude = found["magnitude"]
-        phase = found["phase"][1] if "phase" in found else 0.0  # has_phase says which it is
+        heading, magnitude = columns["magnitude"]
+        phase = columns["phase"][1] if "phase" in columns else 0.0  # has_phase says which it is
         with np.errstate(invalid="ignore"):  # an infinite magnitude has no real part
             values = magnitude * np.exp(1j * np.radians(phase))
-    coherence = found["coherence"][1] if "coherence" in found else None
+    coherence = columns["coherence"][1] if "coherence" in columns else None
     with np.errstate(invalid="ignore"):
         scaled = np.asarray(values / heading.scale, dtype=complex)
     return SingleResponse(scaled, heading.above, heading.below, coherence)

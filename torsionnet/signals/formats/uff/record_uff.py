@@ -89,13 +89,13 @@ class FileUnits:
 
 def units_of_datasets(sets: Sequence[Mapping[str, Any]]) -> list[FileUnits]:
     """Units that hold for every dataset of a universal file, by the dataset 164 before it."""
-    found, now = [], FileUnits()
+    units, now = [], FileUnits()
     for entries in sets:
         if entries.get("type") == UNITS_DATASET:
             length, force = (float(entries.get(key) or 1.0) for key in ("length", "force"))
             now = FileUnits(length, force, text_in(entries, "units_description"))
-        found.append(now)
-    return found
+        units.append(now)
+    return units
 
 
 def abscissa_over(entries: Mapping[str, Any], kind: int) -> str:
@@ -164,9 +164,9 @@ def open_source(path: Path) -> Iterator[Source]:
         first, units = sets[numbers[0]].attributes, units_of_datasets([item.attributes for item in sets])
         clocks = dict[Hashable, FileChannel]()
         channels = [_channel(sets[at], at, content, clocks, units[at]) for at in numbers]
-        longer = [f"{one.name} {_place(sets[at])}" for one, at in zip(channels, numbers, strict=True)]
-        names = told_apart([one.name for one in channels], longer)
-        named = [replace(one, name=name) for one, name in zip(channels, names, strict=True)]
+        longer = [f"{channel.name} {_place(sets[at])}" for channel, at in zip(channels, numbers, strict=True)]
+        names = told_apart([channel.name for channel in channels], longer)
+        named = [replace(channel, name=name) for channel, name in zip(channels, names, strict=True)]
         others = [item.attributes for at, item in enumerate(sets) if at not in numbers and item.length]
         left = f"left out, as no records over time: {contents_of(others)}" if others else ""
         yield Source(
@@ -187,30 +187,30 @@ def _channel(
     code, direction = (int(entries.get(key) or 0) for key in ("ordinate_spec_data_type", "rsp_dir"))
     unit = text_in(entries, "abscissa_axis_units_lab")
     over = other_axis(unit, text_in(entries, "abscissa_axis_lab")) or abscissa_over(entries, TIME_AXIS)
-    found = FileChannel(
+    channel = FileChannel(
         text_in(entries, "id1") or _place(item), 2 * at, label, length=item.length, over=over, implied=units.factors
     )
     if not label and code in UNITS and abs(direction) in ROTATIONS:
-        found = replace(found, quantity=quantity_of_dimension(parse_unit(UNITS[code]).dimension) or None)
+        channel = replace(channel, quantity=quantity_of_dimension(parse_unit(UNITS[code]).dimension) or None)
     course = _COURSE.search(text_in(entries, "id2"))
     if course is not None:
         rate = float(course[2]) if course[2] else None
-        found = replace(found, between=check_between(course[1]), course_rate=rate)
+        channel = replace(channel, between=check_between(course[1]), course_rate=rate)
     if over:
-        return found
+        return channel
     key = tuple(entries.get(name) for name in ("abscissa_min", "abscissa_inc", "num_pts", "abscissa_axis_units_lab"))
     known = clocks.get(key) if entries.get("abscissa_spacing") == 1 else None
     known = known or _abscissa(entries, 2 * at + 1, content, unit)
     clocks[key] = known
-    return replace(found, rate=known.rate, start=known.start, clock=None if known.rate else known)
+    return replace(channel, rate=known.rate, start=known.start, clock=None if known.rate else known)
 
 
 def _abscissa(entries: Mapping[str, Any], column: int, content: Content, unit: str) -> FileChannel:
     """Abscissa of a dataset, with its rate in Hz and its start in s where it is even."""
     stamps = next(content.blocks([column], 0), [np.empty(0)])[0]
     clock = clock_of(stamps, _written_rate(entries), scale=seconds_in(unit))
-    found = FileChannel("abscissa", column, unit or "s", length=len(stamps))
-    return found if clock.times is not None else replace(found, rate=clock.rate, start=clock.start)
+    abscissa = FileChannel("abscissa", column, unit or "s", length=len(stamps))
+    return abscissa if clock.times is not None else replace(abscissa, rate=clock.rate, start=clock.start)
 
 
 def _place(item: StoredArray) -> str:
