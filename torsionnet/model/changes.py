@@ -64,7 +64,7 @@ def with_point_settings(changes: Overlay, settings: Mapping[str, Any], definitio
                 f'"{name}" is no setting{did_you_mean(name, LOAD_SIZES)}; there are {FORMS}', kind="unknown-word"
             )
     point, faults = OperatingPoint.read(given)
-    faults = [one.under(POINT) for one in faults]
+    faults = [fault.under(POINT) for fault in faults]
     if point is not None:
         faults += [
             Fault(
@@ -85,10 +85,10 @@ def with_point_settings(changes: Overlay, settings: Mapping[str, Any], definitio
 def point_settings_of(changes: Overlay) -> dict[str, Any]:
     """Settings that make the changes of an operating point and a load, by name."""
     point = changes.operating_point or OperatingPoint()
-    found = {
+    settings = {
         setting_name(entry, place): value for entry in (SPEED, TORQUE) for place, value in getattr(point, entry).items()
     }
-    return {**found, **changes.entries}
+    return {**settings, **changes.entries}
 
 
 def _load_size(name: str, value: Any, definition: Definition) -> Any:
@@ -97,13 +97,13 @@ def _load_size(name: str, value: Any, definition: Definition) -> Any:
     if definition.load is None:
         raise UsageError(f"{name}: the model has no load:; its torques stand under {POINT}:", kind="missing-entry")
     if getattr(definition.load, entry) is None:
-        other = next((one for one in LOAD_SIZES if getattr(definition.load, one.partition(".")[2]) is not None), "")
+        other = next((size for size in LOAD_SIZES if getattr(definition.load, size.partition(".")[2]) is not None), "")
         hint = f"its size is {other}" if other else "it has several absorbers, or a table over speed"
         raise UsageError(f"{name}: the load of the model has no {entry}; {hint}", kind="missing-entry")
     try:
         replace(definition.load, **{entry: value})
     except ModelError as error:
-        raise ModelError([one.under(LOAD) for one in error.faults], definition.name) from None
+        raise ModelError([fault.under(LOAD) for fault in error.faults], definition.name) from None
     return value
 
 

@@ -288,11 +288,11 @@ def named_sensor(entry: str | Sensor, declared: Mapping[str, Sensor]) -> Sensor 
     measured, _, shaft = entry.partition(REFERRED)
     if not shaft:
         return parse_sensor(entry)
-    found = named_sensor(measured.strip(), declared)
-    if found is None and re.fullmatch(r"[A-Za-z][\w.]*", measured.strip()):
+    sensor = named_sensor(measured.strip(), declared)
+    if sensor is None and re.fullmatch(r"[A-Za-z][\w.]*", measured.strip()):
         # A name alone in front of "referred to" is a node, whose angle is meant.
-        found = Sensor("angle", measured.strip())
-    return found and replace(found, referred_to=shaft.strip())
+        sensor = Sensor("angle", measured.strip())
+    return sensor and replace(sensor, referred_to=shaft.strip())
 
 
 OPTIONAL_SENSOR_KEYS = {
@@ -423,7 +423,7 @@ class ChannelEntry(Spec[Made_co]):
         return {
             self.name: schema
             | (
-                {"dependentSchemas": {"at": {"anyOf": [{"required": [one]} for one in PORT_QUANTITIES]}}}
+                {"dependentSchemas": {"at": {"anyOf": [{"required": [quantity]} for quantity in PORT_QUANTITIES]}}}
                 if self._extra
                 else {}
             )

@@ -95,7 +95,7 @@ class ConditionTitles:
     def shared(self, configurations: Sequence[str]) -> str:
         """Title of what configurations have in common; where that is nothing, the titles of all of them."""
         first, *others = map(self._choice, configurations)
-        common = {axis: name for axis, name in first.items() if all(one.get(axis) == name for one in others)}
+        common = {axis: name for axis, name in first.items() if all(choice.get(axis) == name for choice in others)}
         named = [self.alternative(axis, name) for axis, name in common.items()]
         return ", ".join(named) or self.listed(configurations)
 
@@ -104,10 +104,10 @@ class ConditionTitles:
 
     def _chosen(self, configurations: Sequence[str]) -> dict[str, dict[str, None]]:
         """Alternatives that configurations have on each axis, each once."""
-        found: dict[str, dict[str, None]] = {}
-        for axis, name in (pair for one in configurations for pair in self._choice(one).items()):
-            found.setdefault(axis, {})[name] = None
-        return found
+        chosen: dict[str, dict[str, None]] = {}
+        for axis, name in (pair for configuration in configurations for pair in self._choice(configuration).items()):
+            chosen.setdefault(axis, {})[name] = None
+        return chosen
 
 
 def _either(titles: Sequence[str]) -> str:

@@ -132,12 +132,12 @@ class AlternativeEntry(Plural[Overlay]):
             if isinstance(key, str) and "." in key:
                 entries[key] = value
                 continue
-            found, wrong = _KNOWN.get(key, VALUE).read(value)
+            change, wrong = _KNOWN.get(key, VALUE).read(value)
             faults += [fault.under(key) for fault in wrong]
             if key in _KNOWN:
-                known[key] = found
+                known[key] = change
             elif not wrong:
-                parameters[key] = cast("Expression", found)
+                parameters[key] = cast("Expression", change)
         return Overlay(parameters, **known, entries=entries), faults
 
     def plain(self, value: Any) -> Json:
@@ -210,8 +210,8 @@ class AxesEntry(Plural[dict[str, dict[str, Overlay]]]):
             if not isinstance(alternatives, Mapping):
                 faults.append(Fault(f"expected alternatives by name, {got(alternatives)}", (axis,), kind="wrong-form"))
                 continue
-            axes[axis], found = _read_axis(alternatives)
-            faults += [fault.under(axis) for fault in found]
+            axes[axis], wrong = _read_axis(alternatives)
+            faults += [fault.under(axis) for fault in wrong]
         return axes, faults
 
     def plain(self, value: Any) -> Json:
@@ -254,8 +254,8 @@ def _read_axis(alternatives: Mapping[str, Any]) -> tuple[dict[str, Overlay], lis
         if reason:
             faults.append(Fault(reason, (name,), on_key=True, kind="invalid-name"))
             continue
-        overlays[str(name)], found = ALTERNATIVE.read(raw)
-        faults += [fault.under(name) for fault in found]
+        overlays[str(name)], wrong = ALTERNATIVE.read(raw)
+        faults += [fault.under(name) for fault in wrong]
     return overlays, faults
 
 

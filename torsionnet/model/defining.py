@@ -48,8 +48,8 @@ def define(entries: Mapping[str, Any]) -> tuple[Definition, list[Fault]]:
     if authored.include:
         faults.append(Fault("files are included by model files only", ("include",), on_key=True, kind="needless-entry"))
     lost = {key for fault in faults for key in fault.path[:1]} & {"parts", "use"}
-    flat, found = flatten_definition(authored, whole=not lost)
-    return flat, [*faults, *found]
+    flat, of_parts = flatten_definition(authored, whole=not lost)
+    return flat, [*faults, *of_parts]
 
 
 def flatten_definition(authored: Definition, *, whole: bool = True) -> tuple[Definition, list[Fault]]:
@@ -63,9 +63,9 @@ def flatten_definition(authored: Definition, *, whole: bool = True) -> tuple[Def
     from torsionnet.model.parts.authored_model import AuthoredModel
     from torsionnet.model.parts.flattening import flatten_parts
 
-    flat, found = flatten_parts(authored, whole=whole)
+    flat, faults = flatten_parts(authored, whole=whole)
     flat = _with_settled_alternatives(flat)
-    return replace(flat, authored=AuthoredModel(authored, flat)), found
+    return replace(flat, authored=AuthoredModel(authored, flat)), faults
 
 
 def _with_settled_alternatives(definition: Definition) -> Definition:
@@ -76,14 +76,16 @@ def _with_settled_alternatives(definition: Definition) -> Definition:
     known, axes = definition.parameters, dict[str, Mapping[str, Overlay]]()
     for axis, written in definition.configurations.items():
         settled = written
-        if any(key in known for one in written.values() for key in one.entries):
-            settled = {label: replace(one, **_split_changes(one, known)) for label, one in written.items()}
-        if any(names_a_file(value) for one in settled.values() for value in one.entries.values()):
+        if any(key in known for overlay in written.values() for key in overlay.entries):
+            settled = {label: replace(overlay, **_split_changes(overlay, known)) for label, overlay in written.items()}
+        if any(names_a_file(value) for overlay in settled.values() for value in overlay.entries.values()):
             settled = {
                 label: replace(
-                    one, entries=_with_file_contents(definition, one.entries), by_files=_by_files(one.entries)
+                    overlay,
+                    entries=_with_file_contents(definition, overlay.entries),
+                    by_files=_by_files(overlay.entries),
                 )
-                for label, one in settled.items()
+                for label, overlay in settled.items()
             }
         if settled is not written:
             axes[axis] = settled
@@ -115,11 +117,11 @@ def _with_file_contents(definition: Definition, changes: Mapping[str, Any]) -> d
 
     Unreadable values stay for the checks.
     """
-    found = dict(changes)
+    changed = dict(changes)
     for key, raw in changes.items():
         section, field = section_of(definition, key), key.rpartition(".")[2]
         specs = dict(section[2].specs()) if section else {}
         value, faults = specs[field].read(raw) if field in specs and names_a_file(raw) else (None, [])
         if value is not None and not faults:
-            found[key] = specs[field].plain(value)
-    return found
+            changed[key] = specs[field].plain(value)
+    return changed

@@ -132,7 +132,7 @@ class Definition(Declared):
         """
         self.settle_absent()
         if self.excitations:
-            fitted = {name: one.with_element_data(self.elements) for name, one in self.excitations.items()}
+            fitted = {name: source.with_element_data(self.elements) for name, source in self.excitations.items()}
             settle(self, excitations=fitted)
 
     @property
@@ -168,7 +168,7 @@ class Definition(Declared):
     @property
     def has_overrides(self) -> bool:
         """Whether alternatives of configurations change entries of elements or sections, as ``box.engaged``."""
-        return any(one.entries for axis in self.configurations.values() for one in axis.values())
+        return any(overlay.entries for axis in self.configurations.values() for overlay in axis.values())
 
     @property
     def follows_speed(self) -> bool:
@@ -207,15 +207,15 @@ class Definition(Declared):
         Changes are written as ``box.engaged: II``, ``engine.misfire: [3]``, ``fault.phases: 3``, ``load.power: 1 MW``,
         ``speeds.range: 250..700 rpm``.
         """
-        found: dict[str, Any] = {ELEMENTS: dict(elements), LOAD: self.load, SPEEDS: self.speeds}
-        found |= {table: dict(getattr(self, table)) for table in (EXCITATIONS, SCENARIOS)}
+        changed: dict[str, Any] = {ELEMENTS: dict(elements), LOAD: self.load, SPEEDS: self.speeds}
+        changed |= {table: dict(getattr(self, table)) for table in (EXCITATIONS, SCENARIOS)}
         # All entries of one section at once: each alone may contradict what the others change.
         for (table, name), fields in by_section(self, changes).items():
             if table in SINGLE_SECTIONS:
-                found[table] = replace(found[table], **fields)
+                changed[table] = replace(changed[table], **fields)
             else:
-                found[table][name] = replace(found[table][name], **fields)
-        return found
+                changed[table][name] = replace(changed[table][name], **fields)
+        return changed
 
     @classmethod
     def key_faults(cls, raw: Mapping[Any, Any], name: str = "") -> list[Fault]:
@@ -248,9 +248,9 @@ def section_of(definition: Definition, key: str) -> tuple[str, str, Declared] | 
     tables: dict[str, Mapping[str, Declared]] = {
         EXCITATIONS: definition.excitations, ELEMENTS: definition.elements, SCENARIOS: definition.scenarios
     }  # fmt: skip
-    found = [(table, name, sections[name]) for table, sections in tables.items() if name in sections]
-    fitting = [one for one in found if entry in dict(one[2].specs())]
-    return next(iter(fitting or found), None)
+    owners = [(table, name, sections[name]) for table, sections in tables.items() if name in sections]
+    fitting = [owner for owner in owners if entry in dict(owner[2].specs())]
+    return next(iter(fitting or owners), None)
 
 
 def by_section(definition: Definition, changes: Mapping[str, Any]) -> dict[tuple[str, str], dict[str, Any]]:
@@ -258,12 +258,12 @@ def by_section(definition: Definition, changes: Mapping[str, Any]) -> dict[tuple
 
     They are written as ``engine.misfire: [3]``. Changes of unknown sections are left out.
     """
-    found: dict[tuple[str, str], dict[str, Any]] = {}
+    by_owner: dict[tuple[str, str], dict[str, Any]] = {}
     for key, value in changes.items():
         section = section_of(definition, key)
         if section is not None:
-            found.setdefault(section[:2], {})[key.rpartition(".")[2]] = value
-    return found
+            by_owner.setdefault(section[:2], {})[key.rpartition(".")[2]] = value
+    return by_owner
 
 
 def all_nodes(elements: Iterable[Element]) -> tuple[str, ...]:
@@ -290,7 +290,7 @@ def with_tangents(definition: Definition, speed: float | None = None) -> Definit
     ``speed`` in rad/s is that of the reference node of a load, by default the one of tangents that are there, else that
     of the operating point. Without laws of motion the definition is unchanged.
     """
-    if not any(one.enabled and one.has_motion_laws for one in definition.elements.values()):
+    if not any(element.enabled and element.has_motion_laws for element in definition.elements.values()):
         return definition
     if definition.tangents is not None and speed is None:
         return replace(definition, tangents=definition.tangents.of(definition))

@@ -112,22 +112,22 @@ class Elimination:
         Exact zeros drop out.
         """
         derivation = Derivation()
-        found: dict[ProportionalGroup, tuple[Any, Any]] = {}
+        totals: dict[ProportionalGroup, tuple[Any, Any]] = {}
         waiting: list[tuple[int, ProportionalGroup]] = []
         terms: Iterable[tuple[Any, Any]] = row.items()
         while True:
             # One term for each group of names in proportion, y = r x: a x + b y = (a + b r) x.
             for name, coefficient in terms:
                 group = self.proportions.group(name)
-                if group in found:
-                    first, total = found[group]
+                if group in totals:
+                    first, total = totals[group]
                     if name == first:
-                        found[group] = (first, total + coefficient)
+                        totals[group] = (first, total + coefficient)
                     else:
-                        found[group] = (first, total + self.proportions.ratio(name, first) * coefficient)
+                        totals[group] = (first, total + self.proportions.ratio(name, first) * coefficient)
                         derivation.pairs.append((name, first))
                 elif group.solution is None or group.solution.row:
-                    found[group] = (name, coefficient)
+                    totals[group] = (name, coefficient)
                     if group.solution is not None:
                         heappush(waiting, (group.solution.number, group))
                 else:
@@ -135,10 +135,10 @@ class Elimination:
                     derivation.rows.append(group.solution.number)
                     derivation.pairs.append((name, group.solution.anchor))
             if not waiting:
-                return {name: coefficient for name, coefficient in found.values() if coefficient != 0}, derivation
+                return {name: coefficient for name, coefficient in totals.values() if coefficient != 0}, derivation
             # The group solved first goes out by its solution, x = sum s y, of names solved later or never.
             _, group = heappop(waiting)
-            name, coefficient = found.pop(group)
+            name, coefficient = totals.pop(group)
             assert group.solution is not None
             anchor, solution, index = group.solution
             derivation.rows.append(index)
@@ -251,7 +251,7 @@ class Reduction:
     def held(self) -> list[Any]:
         """Names that the equations hold at zero, one from each group of names in proportion."""
         solutions = [group.solution for group in self._proportions.groups()]
-        return [found.anchor for found in solutions if found and not found.row]
+        return [solution.anchor for solution in solutions if solution and not solution.row]
 
     def origin(self, name: Any) -> frozenset[int]:
         """Numbers of the rows from which the solution for a name follows."""
@@ -267,14 +267,14 @@ class Reduction:
         return self._closed(self._rows.derivation.get(index, Derivation()))
 
     def _closed(self, derivation: Derivation) -> frozenset[int]:
-        found: set[int] = set()
+        closed: set[int] = set()
         waiting = [derivation]
         while waiting:
             derivation = waiting.pop()
             rows = {*derivation.rows, *(row for pair in derivation.pairs for row in self._proportions.between(*pair))}
-            waiting += [self._rows.derivation[row] for row in rows - found if row in self._rows.derivation]
-            found |= rows
-        return frozenset(row for row in found if row >= 0)
+            waiting += [self._rows.derivation[row] for row in rows - closed if row in self._rows.derivation]
+            closed |= rows
+        return frozenset(row for row in closed if row >= 0)
 
 
 class _Solved(Mapping[Any, dict[Any, Any]]):
@@ -329,8 +329,8 @@ def rows_holding(rows: Sequence[Mapping[Any, Any]], name: Any) -> list[int]:
     for index, row in enumerate(rows):
         for other, coefficient in row.items():
             shares.setdefault(other, {})[index] = coefficient
-    found = reduce_rows(shares.values(), {index: index for index in range(len(rows))}, {_UNIT})
-    return [index for index in range(len(rows)) if found.free_names({index: 1})]
+    reduction = reduce_rows(shares.values(), {index: index for index in range(len(rows))}, {_UNIT})
+    return [index for index in range(len(rows)) if reduction.free_names({index: 1})]
 
 
 def smallest_failing_rows(rows: Sequence[Mapping[Any, Any]], suspects: Collection[int], fails: Any) -> list[int]:

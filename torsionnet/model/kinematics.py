@@ -163,7 +163,7 @@ def solve_kinematics(
             raise UsageError(f'no node is named "{node}"{did_you_mean(node, nodes)}', kind="unknown-node")
     before = like.made if like else {}
     made = {element.name: _made(element, value, before.get(element.name)) for element in definition.active}
-    parts = tuple(part for one in made.values() for part in one.parts)
+    parts = tuple(part for own in made.values() for part in own.parts)
     imposed = imposed_rows(definition, set(nodes))
     driven = tuple(definition.inputs[name].row for name in imposed)
     same = like is not None and (nodes, tuple(imposed), driven) == (like.nodes, like.imposed, like.driven)
@@ -247,7 +247,7 @@ def contradicting_loop(parts: Sequence[OwnedPart], nodes: Sequence[str]) -> list
         return bool(reduce_rows(some, order).held())
 
     # The node that the fewest rows hold shows the shortest loop.
-    origin, node = min(((sorted(reduction.origin(node)), node) for node in held), key=lambda found: len(found[0]))
+    origin, node = min(((sorted(reduction.origin(node)), node) for node in held), key=lambda pair: len(pair[0]))
     loop = [origin[place] for place in rows_holding([rows[index] for index in origin], node)]
     if len(loop) <= SMALL_LOOP:
         loop = smallest_failing_rows(rows, loop, contradicts)

@@ -67,21 +67,21 @@ class LawNetwork:
 
     @cached_property
     def over_twist(self) -> tuple[PlacedMotionLaw, ...]:
-        return tuple(one for one in self.motion if one.is_over_twist)
+        return tuple(law for law in self.motion if law.is_over_twist)
 
     @cached_property
     def over_rate(self) -> tuple[PlacedMotionLaw, ...]:
-        return tuple(one for one in self.motion if not one.is_over_twist)
+        return tuple(law for law in self.motion if not law.is_over_twist)
 
     @cached_property
     def dampers(self) -> tuple[PlacedMotionLaw, ...]:
         """Linear laws whose damping resists a motion that springs leave free, as bearings do, as laws over the rate."""
-        found = []
+        dampers = []
         for owner, law in self.linear:
             if law.damping and any(self.free.in_floats(exact_row(law.row)).values()):
                 damper = MotionLaw(law.row, PieceCurve("rate", (Slope(damping=float(law.damping)),)))
-                found.append(PlacedMotionLaw(owner, -1, damper, damper))
-        return tuple(found)
+                dampers.append(PlacedMotionLaw(owner, -1, damper, damper))
+        return tuple(dampers)
 
     @cached_property
     def reduction(self) -> Reduction:
@@ -92,7 +92,7 @@ class LawNetwork:
     def free(self) -> Reduction:
         """Motions of all nodes that leave every spring, and every law of motion over the twist, without twist."""
         rows = [exact_row(law.row) for _, law in self.elastic]
-        rows += [exact_row(one.law.row) for one in self.over_twist]
+        rows += [exact_row(placed.law.row) for placed in self.over_twist]
         return self.reduction.followed_by(rows, self.order)
 
     @cached_property
@@ -110,7 +110,7 @@ class LawNetwork:
 def law_network(definition: Definition, values: Mapping[str, Any]) -> LawNetwork:
     """Network of the laws of a drivetrain, from the exact values of its parameters."""
     value = Values(values)
-    floats = Values({name: float(one) for name, one in values.items()}, FLOAT)
+    floats = Values({name: float(number) for name, number in values.items()}, FLOAT)
     # Imposed angles stand still, as what is clamped does.
     held: list[Row] = [
         channel.row
@@ -169,4 +169,8 @@ def _torques_balance(definition: Definition) -> bool:
 
 def following_elements(definition: Definition) -> tuple[Element, ...]:
     """Elements whose laws of motion are linear about the operating point of the model, none of which keeps its own."""
-    return tuple(one for one in definition.switched_on if one.has_motion_laws and not keeps_own_point(one, definition))
+    return tuple(
+        element
+        for element in definition.switched_on
+        if element.has_motion_laws and not keeps_own_point(element, definition)
+    )

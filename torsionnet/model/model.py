@@ -105,7 +105,7 @@ class Model:
         scenarios: Mapping[str, Any] | None = None,
     ) -> None:
         table, faults = collect_elements(elements) if elements or not use else ({}, [])
-        definition, found = define(
+        definition, unfit = define(
             {
                 "name": name,
                 "elements": table,
@@ -122,13 +122,13 @@ class Model:
                 "source": source,
                 "description": description,
                 "ports": ports if isinstance(ports, str) else tuple(ports),
-                "parts": {name: as_part(one) for name, one in (parts or {}).items()} or None,
+                "parts": {name: as_part(part) for name, part in (parts or {}).items()} or None,
                 "use": use,
             }
         )
         if not table and not use:  # which has been said in the words of a call
-            found = [fault for fault in found if fault.about != "elements"]
-        faults += found + check_definition(definition)
+            unfit = [fault for fault in unfit if fault.about != "elements"]
+        faults += unfit + check_definition(definition)
         _refuse(faults, name)
         self._state = ModelState(_operated(definition), definition, findings=tuple(faults))
 
@@ -396,8 +396,8 @@ class Model:
 
         authored, faults = with_use(self._state.base, name, use, given)
         # Names in the part get "name." before them.
-        definition, found = flatten_definition(authored)
-        _refuse(faults := [*faults, *found], self.name)
+        definition, unfit = flatten_definition(authored)
+        _refuse(faults := [*faults, *unfit], self.name)
         _refuse(faults := [*faults, *check_definition(definition)], self.name)
         whole = self.from_definition(definition, faults)
         return self._as_chosen(whole)
@@ -407,10 +407,10 @@ class Model:
         if not self._state.choice and self._state.changes == Overlay():
             return whole
         choice = ",".join(f"{axis}={alternative}" for axis, alternative in self._state.choice.items())
-        found = whole.configured(choice, **self._state.changes.parameters, **point_settings_of(self._state.changes))
-        found = found.switched(on=self._state.changes.on, off=self._state.changes.off)
+        chosen = whole.configured(choice, **self._state.changes.parameters, **point_settings_of(self._state.changes))
+        chosen = chosen.switched(on=self._state.changes.on, off=self._state.changes.off)
         at = self._state.changes.at
-        return found if at is None else found.at_point(at)
+        return chosen if at is None else chosen.at_point(at)
 
     def switched(self, *, on: Iterable[str] = (), off: Iterable[str] = ()) -> Self:
         """Copy of the model with elements switched on or off by name, whatever its configuration says."""

@@ -127,10 +127,10 @@ class OperatingPoint(Declared):
     @classmethod
     def read(cls, raw: object) -> tuple[Self | None, list[Fault]]:
         """Operating point from the entries that can be read, and the faults of the others."""
-        found, faults = super().read(raw)
-        if found is None and isinstance(raw, Mapping):
-            found = cls(**cls.read_entries(raw)[0])
-        return found, faults
+        point, faults = super().read(raw)
+        if point is None and isinstance(raw, Mapping):
+            point = cls(**cls.read_entries(raw)[0])
+        return point, faults
 
     def with_overlay(self, other: OperatingPoint | None) -> OperatingPoint:
         """Operating point with the entries of ``other`` replacing its own."""

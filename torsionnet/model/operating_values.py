@@ -67,13 +67,13 @@ class OperatingPoints:
         UsageError
             The torques are unknown, a torque is statically indeterminate, or a table ends before.
         """
-        found = {}
+        values = {}
         for name, parameter in self.external.definition.following.items():
             try:
-                found[name] = self.value(parameter, speed)
+                values[name] = self.value(parameter, speed)
             except UsageError as error:
                 raise UsageError(f"{name}: {error}", kind=error.kind) from None
-        return found
+        return values
 
     def value(self, parameter: Parameter, speed: float) -> float:
         """Value in SI units of a parameter at a speed of the reference node in rad/s."""
@@ -103,11 +103,11 @@ class OperatingPoints:
             As for :meth:`at`.
         """
         self.at(speed)
-        found = []
+        rows = []
         for parameter in self.external.definition.following.values():
             followed = 0.0 if parameter.by == VIBRATORY_TORQUE else self._followed(parameter, speed)
-            found += [int(followed < 0), bisect_right([row[0].value for row in parameter.table], abs(followed))]
-        return (*found, *self.external.rows(speed))
+            rows += [int(followed < 0), bisect_right([row[0].value for row in parameter.table], abs(followed))]
+        return (*rows, *self.external.rows(speed))
 
     def _followed(self, parameter: Parameter, speed: float) -> float:
         if parameter.by == "speed":
@@ -167,7 +167,7 @@ def torque_per_node(definition: Definition, values: Mapping[str, Any], name: str
     UsageError
         The element is switched off, or shares its torque with others by stiffness.
     """
-    element = next((one for one in definition.active if one.name == name), None)
+    element = next((element for element in definition.active if element.name == name), None)
     if element is None:
         raise UsageError(f"{name} is switched off in this configuration, and has no torque there", kind="switched-off")
     node, _ = port_of(element, None)
@@ -179,7 +179,7 @@ def torque_per_node(definition: Definition, values: Mapping[str, Any], name: str
         raise UsageError(f"{name} transmits no mean torque, so nothing can follow it", kind="indeterminate-torque")
     # Virtual work: the element opens by one while all else that hands on a torque stays closed.
     opened = {**exact_row(rows[own[0]][1]), UNIT: Fraction(-1)}
-    order = {one: index for index, one in enumerate(all_nodes(definition.active))}
+    order = {node: index for index, node in enumerate(all_nodes(definition.active))}
     others = [exact_row(row) for number, (_, row) in enumerate(rows) if number != own[0]]
     reduction = reduce_rows([*others, opened], order, {UNIT})
     if reduction.blocked:
@@ -189,7 +189,7 @@ def torque_per_node(definition: Definition, values: Mapping[str, Any], name: str
         )
     # The torque of a law acts by its row: at the port times the coefficient there.
     factor = float(opened[node])
-    return {one: factor * float(row[UNIT]) for one, row in reduction.solved.items() if UNIT in row}
+    return {node: factor * float(row[UNIT]) for node, row in reduction.solved.items() if UNIT in row}
 
 
 def _hands_on(part: object) -> bool:
@@ -210,20 +210,20 @@ def law_notes(definition: Definition) -> tuple[str, ...]:
     following = following_elements(definition)
     if not following:
         return ()
-    names = [one.name for one in following]
+    names = [element.name for element in following]
     if not tangents.is_loaded:
         text = "without load: {laws} linear at rest; at(torque={...}) gives another point"
         return (phrase(text, laws=comma_list(names, MOST_NAMED)),)
     state = tangents.state
     value = Values(resolve(definition.parameters)[0])
-    found: list[str] = []
+    texts: list[str] = []
     for element in following:
         laws = [part for part in element.whole_parts(value) if isinstance(part, MotionLaw)]
         own = zip(laws, state.states.get(element.name, ()), state.torques.get(element.name, ()), strict=False)
-        found += [f"{element.name} {_state_text(*one)}" for one in own]
+        texts += [f"{element.name} {_state_text(*law)}" for law in own]
     acting = [f"{node} {torque:.6g} N*m" for node, torque in state.external.items() if torque]
     at = f" under {comma_list(acting, MOST_NAMED)}" if acting else ""
-    return (f"operating point{at}: {comma_list(found, MOST_NAMED)}", *state.notes, *_choice(definition))
+    return (f"operating point{at}: {comma_list(texts, MOST_NAMED)}", *state.notes, *_choice(definition))
 
 
 def running_notes(definition: Definition) -> tuple[str, ...]:
@@ -258,7 +258,7 @@ def _choice(definition: Definition) -> Iterator[str]:
     assert definition.tangents is not None
     state, states = definition.tangents.state, definition.tangents.states
     if len(states) > 1:
-        stable = sum(one.is_stable for one in states)
+        stable = sum(state.is_stable for state in states)
         by_speed = any(definition.tangents.given_speeds.values())
         which = "nearest to the speeds given" if by_speed else "in which most friction sticks"
         several = "this is the one" if stable == 1 else f"this is the one of them {which}"

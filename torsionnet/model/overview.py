@@ -55,15 +55,15 @@ def has_own_column(name: str, spec: Spec[object]) -> bool:
 
 
 def _leaves(name: str, spec: Spec[object], value: Any) -> Iterator[tuple[str, Spec[object], Any]]:
-    if isinstance(value, tuple) and value and all(isinstance(one, Declared) for one in value):
-        for number, one in enumerate(value, 1):
-            yield from _leaves(f"{name} {number}", spec, one)
+    if isinstance(value, tuple) and value and all(isinstance(part, Declared) for part in value):
+        for number, part in enumerate(value, 1):
+            yield from _leaves(f"{name} {number}", spec, part)
     elif isinstance(value, Declared):
         if isinstance(spec, Typed):
             yield name, spec, value.kind
         for inner, of in value.specs():
-            if (one := getattr(value, inner)) is not None:
-                yield from _leaves(f"{name}.{inner}", of, one)
+            if (part := getattr(value, inner)) is not None:
+                yield from _leaves(f"{name}.{inner}", of, part)
     else:
         yield name, spec, value
 
@@ -83,7 +83,7 @@ def in_words(spec: Spec[object], value: Any) -> str:
 
 def _listed_values(plain: Any) -> str:
     if isinstance(plain, Mapping):
-        return ", ".join(f"{name} {_listed_values(one)}" for name, one in plain.items())
+        return ", ".join(f"{name} {_listed_values(part)}" for name, part in plain.items())
     return ", ".join(map(_listed_values, plain)) if isinstance(plain, list | tuple) else str(plain)
 
 
@@ -175,14 +175,14 @@ def value_text(element: Element, spec: Spec[object], value: Any, rig: Model) -> 
         return (f"{value.measure} ", *shown, *at, *_viscous(element, rig))
     if isinstance(spec, MultipleValues):
         named = (
-            [(f"{name} ", one) for name, one in value]
+            [(f"{name} ", part) for name, part in value]
             if isinstance(spec, TableByName)
-            else [("", one) for one in value]
+            else [("", part) for part in value]
         )
         return tuple(
             piece
-            for number, (name, one) in enumerate(named)
-            for piece in (", " if number else "", name, *value_text(element, spec.of, one, rig))
+            for number, (name, part) in enumerate(named)
+            for piece in (", " if number else "", name, *value_text(element, spec.of, part, rig))
         )
     if isinstance(spec, Characteristic | QuantityRows):
         return (f"of {len(value)} rows",)

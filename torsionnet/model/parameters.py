@@ -53,18 +53,18 @@ class LookupTable(Plural[Rows]):
             return raw, []
         if not isinstance(raw, Mapping) or len(raw) < 2:
             return (), [Fault(f"expected two rows or more, as in {self.example}; {got(raw)}", kind="wrong-form")]
-        found: list[tuple[Number, Number]] = []
+        rows: list[tuple[Number, Number]] = []
         faults: list[Fault] = []
         for key, value in raw.items():
             try:
-                found.append((self.key(key), self.value(value)))
+                rows.append((self.key(key), self.value(value)))
             except EntryError as error:
                 faults.append(replace(error.fault, path=(key,)))
-        found.sort(key=lambda row: row[0].value)
-        twice = [second for first, second in pairwise(found) if first[0].value == second[0].value]
+        rows.sort(key=lambda row: row[0].value)
+        twice = [second for first, second in pairwise(rows) if first[0].value == second[0].value]
         faults += [Fault(f"{key} stands twice in the table; keep one row", kind="repeated-name") for key, _ in twice]
-        faults += self.unit_faults(found)
-        return ((), faults) if faults else (tuple(found), [])
+        faults += self.unit_faults(rows)
+        return ((), faults) if faults else (tuple(rows), [])
 
     def key(self, raw: object) -> Number:
         """Number with its unit that is the key of a table row."""
@@ -81,7 +81,7 @@ class LookupTable(Plural[Rows]):
         return []
 
     def plain(self, value: Any) -> Json:
-        return {str(key): plain_scalar(one) for key, one in value}
+        return {str(key): plain_scalar(number) for key, number in value}
 
     def schema(self) -> Schema:
         return {
@@ -336,12 +336,12 @@ def dimensions(parameters: Mapping[str, Parameter]) -> tuple[dict[str, Dimension
     None is a bare number, which fits anywhere.
     """
     order, cycles = evaluation_order(parameters)
-    found: dict[str, Dimension | None] = {name: None for cycle in cycles for name in cycle}
+    known: dict[str, Dimension | None] = {name: None for cycle in cycles for name in cycle}
     faults: list[Fault] = []
-    for name in (name for name in order if name not in found):
+    for name in (name for name in order if name not in known):
         try:
-            found[name] = parameters[name].value.dimension(found)
+            known[name] = parameters[name].value.dimension(known)
         except ExpressionError as error:
             faults.append(replace(error.fault, path=("parameters", name)))
-            found[name] = None
-    return found, faults
+            known[name] = None
+    return known, faults

@@ -101,14 +101,14 @@ class Proportions:
 
     def group(self, name: Hashable) -> ProportionalGroup:
         """Group of names in proportion to a name; a name without links is alone in its group."""
-        found = self._home.get(name)
-        if found is None:
-            found = self._home[name] = ProportionalGroup(name)
-        elif found.joined is not None:
-            while found.joined is not None:
-                found = found.joined
-            self._home[name] = found
-        return found
+        group = self._home.get(name)
+        if group is None:
+            group = self._home[name] = ProportionalGroup(name)
+        elif group.joined is not None:
+            while group.joined is not None:
+                group = group.joined
+            self._home[name] = group
+        return group
 
     def join(self, name: Hashable, link: ProportionLink) -> None:
         """Link a name to a name of another group, whose lead then stands for both groups."""

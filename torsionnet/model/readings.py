@@ -66,9 +66,9 @@ def reading(
         No ratio leads to the shaft that the reading is referred to.
     """
     if sensor.quantity in POWERS_OF_S:
-        found = Reading(POWERS_OF_S[sensor.quantity], sensor.row)
+        measured = Reading(POWERS_OF_S[sensor.quantity], sensor.row)
     elif sensor.quantity == "twist":
-        found = Reading(0, elements[sensor.of].twist(value))
+        measured = Reading(0, elements[sensor.of].twist(value))
     else:
         # A torque at one node of the element: of each of its laws and constraints by the coefficient there.
         element = elements[sensor.of]
@@ -84,17 +84,17 @@ def reading(
             for rows in tables
         )
         # An action drives with its torque where laws and constraints resist, hence the sign.
-        found = Reading(laws=own, constraints=rigid, actions={number: -factor for number, factor in driving.items()})
+        measured = Reading(laws=own, constraints=rigid, actions={number: -factor for number, factor in driving.items()})
     if sensor.referred_to is None:
-        return found
+        return measured
     factor = referring_factor(sensor, elements, value)
-    if found.row is not None:
-        return replace(found, row={node: share * factor for node, share in found.row.items()})
+    if measured.row is not None:
+        return replace(measured, row={node: share * factor for node, share in measured.row.items()})
     own, rigid, driving = (
         {number: share * factor for number, share in shares.items()}
-        for shares in (found.laws, found.constraints, found.actions)
+        for shares in (measured.laws, measured.constraints, measured.actions)
     )
-    return replace(found, laws=own, constraints=rigid, actions=driving)
+    return replace(measured, laws=own, constraints=rigid, actions=driving)
 
 
 def referring_factor(sensor: Sensor, elements: Mapping[str, Element], value: Values) -> Any:
@@ -113,7 +113,7 @@ def referring_factor(sensor: Sensor, elements: Mapping[str, Element], value: Val
         own = port_of(element, sensor.at)[0] if sensor.quantity == "torque" else own_node(element.ports)
     from torsionnet.model.element_base.speed_path import SpeedPaths
 
-    path = SpeedPaths([one for one in elements.values() if one.enabled], value).between(own, shaft)
+    path = SpeedPaths([element for element in elements.values() if element.enabled], value).between(own, shaft)
     if path is None:
         text = phrase(
             "{0}: no ratio leads from {1} to {2} in this configuration; close the clutch or gearbox in between, or "

@@ -27,11 +27,11 @@ def at_own_speeds(elements: Sequence[Element], values: Mapping[str, Any]) -> tup
     """
     try:
         paths = SpeedPaths(elements, Values(values))
-        found = [(element, _path(element, paths)) for element in elements]
+        paired = [(element, _path(element, paths)) for element in elements]
     except (TorsionnetError, ArithmeticError, KeyError):  # checks say which values are missing or impossible
         return tuple(elements)
     return tuple(
-        element if path is None else element.with_laws(LawsAtOwnShaft(element, path)) for element, path in found
+        element if path is None else element.with_laws(LawsAtOwnShaft(element, path)) for element, path in paired
     )
 
 

@@ -40,8 +40,8 @@ class ElementTable(Named[Element]):
         elements: dict[str, Element] = {}
         faults: list[Fault] = []
         for name, entry in raw.items():
-            element, found = _read_element(name, entry)
-            faults += [fault.under(name) for fault in found]
+            element, wrong = _read_element(name, entry)
+            faults += [fault.under(name) for fault in wrong]
             if element is not None:
                 elements[name] = element
         return elements, faults
@@ -77,8 +77,8 @@ def _read_element(name: Any, raw: object) -> tuple[Element | None, list[Fault]]:
     try:
         element = cls(name, **{**known, **dict.fromkeys(lacking)})
     except ModelError as error:
-        found = [replace(fault, path=fault.path[2:]) for fault in error.faults]
-        faults += [fault for fault in found if not (fault.path and fault.path[0] in lacking)]
+        wrong = [replace(fault, path=fault.path[2:]) for fault in error.faults]
+        faults += [fault for fault in wrong if not (fault.path and fault.path[0] in lacking)]
         return None, [*faults, *_beyond_bounds(cls, known, {fault.path[0] for fault in faults if fault.path})]
     # With unknown keys alone it goes on to the checks, which tell what else is wrong.
     return (element if all(fault.kind == "unknown-entry" for fault in faults) else None), faults
@@ -166,8 +166,8 @@ PERIODIC_ORDERS = "torsionnet.motion.periodic.periodic_orders:periodic_orders"
 
 def section_class(key: str) -> Any:
     """Class of a section, or its classes by kind, from the room that owns it."""
-    found = imported(OWNERS[key].entries)
-    return found if isinstance(found, type) else found()
+    entries = imported(OWNERS[key].entries)
+    return entries if isinstance(entries, type) else entries()
 
 
 PARAMETERS = Named(

@@ -69,7 +69,7 @@ def _at_rest(definition: Definition, rest: Rows) -> Iterator[tuple[str, dict[str
         for element in definition.active
         if element.glyph == "clamp"
     ]
-    yield from sorted([*clamps, *(("", row) for row in rest)], key=lambda one: branching.isdisjoint(one[1]))
+    yield from sorted([*clamps, *(("", row) for row in rest)], key=lambda pair: branching.isdisjoint(pair[1]))
 
 
 def _held_still(
@@ -94,7 +94,7 @@ def locking_clamp(definition: Definition, values: Mapping[str, Any], node: str) 
     Springs to ground alone do not count: they hold a housing, and what they would stop turns by convention.
     """
     nodes = all_nodes(definition.active)
-    order = {one: index for index, one in enumerate(nodes)}
+    order = {node: index for index, node in enumerate(nodes)}
     rows, rest = _rows_on_average(definition, values)
     turning = _eliminated([{node: Fraction(1), UNIT: Fraction(-1)}, *rows], order)
     for name, row in _at_rest(definition, rest) if node in order and not turning.blocked else ():
@@ -106,10 +106,10 @@ def locking_clamp(definition: Definition, values: Mapping[str, Any], node: str) 
 
 
 def _eliminated(rows: Rows, order: Mapping[str, int]) -> Elimination:
-    found = Elimination(order, {UNIT})
+    elimination = Elimination(order, {UNIT})
     for row in rows:
-        found.add(row)
-    return found
+        elimination.add(row)
+    return elimination
 
 
 def total_ratio(definition: Definition, values: Mapping[str, Any], first: str, second: str) -> Fraction:

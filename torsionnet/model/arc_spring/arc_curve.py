@@ -67,7 +67,7 @@ class LawsOverTime(OtherLaws):
         law, *others = self.element.parts(value)
         if not isinstance(law, Law):
             raise TypeError("springs on an arc come first")
-        *springs, swing, torque = (float(value(one)) for one in arc_values(self.element))
+        *springs, swing, torque = (float(value(entry)) for entry in arc_values(self.element))
         row, laws = law.row, list[WholePart]([MotionLaw(law.row, arc_curve(ArcSprings(*springs), swing, torque))])
         friction = value(self.element.friction) if hasattr(self.element, "friction") else 0
         if friction:

@@ -60,19 +60,19 @@ def _tangent(given: Sequence[Any]) -> tuple[Any, Any]:
 
     Numbers with derivatives, and those that record what is done, get the tangent at their present values.
     """
-    at = [float(one) for one in given]
+    at = [float(entry) for entry in given]
     if not all(map(math.isfinite, at)):
         raise ArithmeticError("the values of arc springs must be finite")
-    found = _stiffness(at)
-    parts: tuple[Any, Any] = (found.real, found.imag)
-    for place, one in enumerate(given):
-        if isinstance(one, int | float | Fraction):
+    stiffness = _stiffness(at)
+    parts: tuple[Any, Any] = (stiffness.real, stiffness.imag)
+    for place, entry in enumerate(given):
+        if isinstance(entry, int | float | Fraction):
             continue
         step = STEP * (abs(at[place]) or 1.0)
         below = at[place] - step if place == SIGNED or at[place] > step else at[place]
         low, high = (_stiffness([*at[:place], x, *at[place + 1 :]]) for x in (below, at[place] + step))
         slope = (high - low) / (at[place] + step - below)
-        moved = one - Fraction(at[place])
+        moved = entry - Fraction(at[place])
         parts = (parts[0] + slope.real * moved, parts[1] + slope.imag * moved)
     return parts
 

@@ -36,8 +36,8 @@ def segments_needed(depth: float, loss: float = 0.01, stiffness: float = math.in
     >>> segments_needed(0.478), segments_needed(0.478, math.inf, 0.01)
     (19, 9)
     """
-    found = max(LOSS_SEGMENTS * math.sqrt(0.01 / loss), STIFFNESS_SEGMENTS * math.sqrt(0.01 / stiffness))
-    return max(2, math.ceil(found / depth - 1e-9))
+    fewest = max(LOSS_SEGMENTS * math.sqrt(0.01 / loss), STIFFNESS_SEGMENTS * math.sqrt(0.01 / stiffness))
+    return max(2, math.ceil(fewest / depth - 1e-9))
 
 
 @dataclass(frozen=True)
@@ -82,17 +82,17 @@ class SegmentChain:
 
     def lead(self, twist: float) -> LoopBranch:
         """Branch of torque over twist on the way to another twist in rad."""
-        found: list[tuple[float, float]] = []
+        points: list[tuple[float, float]] = []
         while True:
             # At zero twist the flange leaves one end of the springs and takes up the other.
             crosses = self.twist * twist < 0
             to = 0.0 if crosses else twist
             side = math.copysign(1.0, self.twist or twist)
-            found += self._led(side, to)
+            points += self._led(side, to)
             self.twist = to
             if not crosses:
                 break
-        twists, torques = np.array(found).T
+        twists, torques = np.array(points).T
         return LoopBranch(twists, torques)
 
     def _led(self, side: float, twist: float) -> list[tuple[float, float]]:
@@ -213,15 +213,17 @@ def marched_loop(springs: ArcSprings, amplitude: float, mean_twist: float, segme
         falling = chain.lead(mean_twist - amplitude)
         moved = chain.moved
         rising = chain.lead(mean_twist + amplitude)
-        found = (float(rising.torques[-1]), float(falling.torques[-1]))
-        if max(abs(one - before) for one, before in zip(found, tips, strict=True)) <= REPEATED * max(map(abs, found)):
+        peaks = (float(rising.torques[-1]), float(falling.torques[-1]))
+        if max(abs(peak - before) for peak, before in zip(peaks, tips, strict=True)) <= REPEATED * max(map(abs, peaks)):
             break
-        tips = found
+        tips = peaks
     else:
         raise ArithmeticError(f"the loop of {segments} segments does not repeat in {CYCLES} cycles")
-    mean, first = (sum(pair) for pair in zip(*(_over_half(one, amplitude) for one in (falling, rising)), strict=True))
+    mean, first = (
+        sum(pair) for pair in zip(*(_over_half(branch, amplitude) for branch in (falling, rising)), strict=True)
+    )
     loss = falling.area + rising.area
-    return SlowLoop(amplitude, mean_twist, found[0], found[1], mean, loss, first / amplitude, moved / segments)
+    return SlowLoop(amplitude, mean_twist, peaks[0], peaks[1], mean, loss, first / amplitude, moved / segments)
 
 
 def _over_half(branch: LoopBranch, amplitude: float) -> tuple[float, float]:

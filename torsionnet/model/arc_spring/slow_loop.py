@@ -253,7 +253,7 @@ def _harmonics(amplitude: float, falling: _Branch, rising: _Branch) -> tuple[flo
             total += (end - start) / 2 * float(weights @ (branch(x) * value(turn * np.cos(tau))))
         return total
 
-    mean = sum(over_half(one, np.ones_like, 1) for one in (falling, rising)) / (2 * math.pi)
+    mean = sum(over_half(branch, np.ones_like, 1) for branch in (falling, rising)) / (2 * math.pi)
     # The rising branch begins at gamma = -a.
     first = over_half(falling, np.array, 1) + over_half(rising, np.array, -1)
     return mean, first / (math.pi * amplitude)

@@ -49,11 +49,11 @@ def read_catalogue(path: str | os.PathLike[str]) -> Catalogue:
     >>> read_catalogue(path).sizes
     ('A350', 'A400')
     """
-    found = Path(path)
-    if not found.is_file():
+    file = Path(path)
+    if not file.is_file():
         raise UsageError(f'there is no file "{path}"', kind="missing-file")
-    stat = found.stat()
-    return Catalogue(found, tuple(row.size for row in _rows(found, stat.st_mtime_ns, stat.st_size)))
+    stat = file.stat()
+    return Catalogue(file, tuple(row.size for row in _rows(file, stat.st_mtime_ns, stat.st_size)))
 
 
 def catalogue_row(path: Path, file: str, size: str) -> CatalogueRow:
@@ -67,15 +67,15 @@ def catalogue_row(path: Path, file: str, size: str) -> CatalogueRow:
     stat = path.stat()
     rows = _rows(path, stat.st_mtime_ns, stat.st_size)
     names = [row.size for row in rows]
-    found = [row for row in rows if row.size == size]
-    if not found:
+    matching = [row for row in rows if row.size == size]
+    if not matching:
         raise ModelError([_unknown(size, names, file)], file)
-    if len(found) > 1:
-        lines = [row.cells[0].place.line for row in found]
-        first = found[1].cells[0].place
-        text = f'{len(found)} rows are of size "{size}", in lines {", ".join(map(str, lines))}; each size has one'
+    if len(matching) > 1:
+        lines = [row.cells[0].place.line for row in matching]
+        first = matching[1].cells[0].place
+        text = f'{len(matching)} rows are of size "{size}", in lines {", ".join(map(str, lines))}; each size has one'
         raise ModelError([Fault(text, position=first, kind="repeated-name")], file)
-    return CatalogueRow(file, size, found[0].cells, path)
+    return CatalogueRow(file, size, matching[0].cells, path)
 
 
 def _unknown(size: str, names: Iterable[str], file: str) -> Fault:
@@ -94,7 +94,7 @@ def _rows(path: Path, changed: int, length: int) -> tuple[CatalogueRow, ...]:
     head, *rest = grid.rows
     names = [named_unit(cell.text) for cell in head]
     place = next((index for index, (name, _) in enumerate(names) if name.casefold() == SIZE), None)
-    faults = [grid.fault(f'two columns are named "{name}"; rename one', head[[one for one, _ in names].index(name)],
+    faults = [grid.fault(f'two columns are named "{name}"; rename one', head[[text for text, _ in names].index(name)],
                          kind="repeated-name")
               for name, count in Counter(name for name, _ in names if name).items() if count > 1]  # fmt: skip
     if place is None:
@@ -238,17 +238,17 @@ def row_entries(
 
     ``loss_factor.psi`` is part of an entry.
     """
-    found: dict[str, Any] = {}
+    entries: dict[str, Any] = {}
     faults: list[Fault] = []
     for cell in row.cells:
         name, _, part = cell.column.partition(".")
         if name not in specs or name in (CATALOGUE, SIZE, "enabled") or name in given:
             continue
         if part:
-            found.setdefault(name, {})[part] = cell.raw
+            entries.setdefault(name, {})[part] = cell.raw
         else:
-            found[name] = cell_value(cell, specs[name], faults)
-    return found, [*([_useless(row.file, len(faults))] if faults else []), *faults]
+            entries[name] = cell_value(cell, specs[name], faults)
+    return entries, [*([_useless(row.file, len(faults))] if faults else []), *faults]
 
 
 def entries_of_other_size(

@@ -35,8 +35,8 @@ def check_definition(definition: Definition) -> list[Fault]:
     faults += values.wrong_dimensions(definition) + values.parameter_dimensions(definition)
     faults += values.passive_tables(definition)
     faults += unconnected_parts(definition)
-    known, found = resolve(definition.parameters)
-    faults += found + values.impossible_sizes(definition, known) + unusual_sizes(definition, known)
+    known, findings = resolve(definition.parameters)
+    faults += findings + values.impossible_sizes(definition, known) + unusual_sizes(definition, known)
     if has_errors(faults):
         return list(dict.fromkeys(faults))
     base, axes = check_structure(definition, known), definition.configurations
@@ -44,11 +44,11 @@ def check_definition(definition: Definition) -> list[Fault]:
     others = {label(choice, axes): _of_choice(definition, choice) for choice in chosen}
     # An entry of the base model that no configuration can use either is an error.
     useless = {fault.path for fault in base if fault.kind in _USELESS}
-    for found in others.values():
-        useless &= {fault.path for fault in found if fault.kind in _USELESS}
+    for findings in others.values():
+        useless &= {fault.path for fault in findings if fault.kind in _USELESS}
     faults += [replace(fault, severity="error") if fault.path in useless else fault for fault in base]
-    for name, found in others.items():
-        faults += _in_configuration(name, found, faults)
+    for name, findings in others.items():
+        faults += _in_configuration(name, findings, faults)
     return list(dict.fromkeys(faults))
 
 
@@ -102,11 +102,11 @@ def has_errors(faults: list[Fault]) -> bool:
     return any(fault.severity == "error" for fault in faults)
 
 
-def _in_configuration(name: str, found: list[Fault], base: list[Fault]) -> list[Fault]:
+def _in_configuration(name: str, findings: list[Fault], base: list[Fault]) -> list[Fault]:
     """Findings on a configuration that the base model does not have, with the configuration's name."""
     known = {(fault.path, fault.message) for fault in base}
     return [
         replace(fault, configuration=name)
-        for fault in found
+        for fault in findings
         if (fault.severity == "error" or fault.path) and (fault.path, fault.message) not in known
     ]

@@ -22,14 +22,14 @@ def unfit_columns(definition: Definition) -> list[Fault]:
             continue
         known = {entry for entry, _ in element.specs()}
         names = [cell.column.partition(".")[0] for cell in element.catalogue.cells]
-        others = [one for one in dict.fromkeys(names) if one not in known and one.casefold() not in REMARKS]
+        others = [column for column in dict.fromkeys(names) if column not in known and column.casefold() not in REMARKS]
         limited = _limited() if others else set()
-        for one in others:
-            if one not in limited:
+        for column in others:
+            if column not in limited:
                 said = 'the column "{}" of {} fits no entry of a {} and no limit'
-                text = phrase(said, one, element.catalogue.file, element.kind)
+                text = phrase(said, column, element.catalogue.file, element.kind)
                 place = ("elements", name, "catalogue")
-                faults.append(replace(unfit_word(text, one, [*known, *limited], place), severity="note"))
+                faults.append(replace(unfit_word(text, column, [*known, *limited], place), severity="note"))
     return faults
 
 

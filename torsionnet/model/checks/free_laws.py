@@ -36,7 +36,11 @@ def open_gaps(definition: Definition, values: Mapping[str, Any], kinematics: Kin
 def with_gaps_closed(definition: Definition, kinematics: Kinematics) -> tuple[Kinematics, tuple[str, ...]]:
     """Kinematics of a drivetrain whose gaps are closed by torques, and the names of the elements that have these."""
     value = Values(resolve(definition.parameters)[0])
-    closed = tuple(one.name for one in definition.active if one.has_motion_laws and _is_open(one, value, kinematics))
+    closed = tuple(
+        element.name
+        for element in definition.active
+        if element.has_motion_laws and _is_open(element, value, kinematics)
+    )
     if not closed:
         return kinematics, ()
     elements = {name: definition.elements[name].with_laws(ClosedLaws(definition.elements[name])) for name in closed}
@@ -92,7 +96,7 @@ def sticking_loops(definition: Definition, values: Mapping[str, Any], kinematics
                 owners.append(element.name)
     order = {name: number for number, name in enumerate(dict.fromkeys(name for row in rows for name in row))}
     reduction = reduce_rows(rows, order)
-    found = []
+    notes = []
     # A row that follows from others: their frictions may share the torque in any way.
     for last in reduction.redundant:
         names = dict.fromkeys(owners[number] for number in sorted({*reduction.origin_of_row(last), last}))
@@ -101,8 +105,8 @@ def sticking_loops(definition: Definition, values: Mapping[str, Any], kinematics
             "give one of them a stiffness",
             named_list(names, between=" and "),
         )
-        found.append(Fault(text, ("elements", owners[last]), "note", on_key=True))
-    return found
+        notes.append(Fault(text, ("elements", owners[last]), "note", on_key=True))
+    return notes
 
 
 def _is_open(element: Element, value: Values, kinematics: Kinematics) -> bool:
@@ -123,7 +127,7 @@ def _laws(element: Element, value: Values) -> list[MotionLaw]:
 def loose_kinematics(definition: Definition, values: Mapping[str, Any]) -> Kinematics | None:
     """Kinematics in which no law of motion holds its row still, as it may move all the same; None if none does."""
     value = Values(values)
-    holding = [one.name for one in definition.active if one.has_motion_laws and _holds(one, value)]
+    holding = [element.name for element in definition.active if element.has_motion_laws and _holds(element, value)]
     if not holding:
         return None
     loose = {name: definition.elements[name].with_laws(LooseLaws(definition.elements[name])) for name in holding}

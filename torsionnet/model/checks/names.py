@@ -116,9 +116,9 @@ def unknown_nodes(definition: Definition) -> list[Fault]:
             if node not in nodes
         ]
     for table in ("sensors", "elements"):
-        for name, one in getattr(definition, table).items():
-            if one.referred_to is not None and one.referred_to not in nodes:
-                faults.append(_unknown_node(one.referred_to, nodes, (table, name, "referred_to")))
+        for name, quoted in getattr(definition, table).items():
+            if quoted.referred_to is not None and quoted.referred_to not in nodes:
+                faults.append(_unknown_node(quoted.referred_to, nodes, (table, name, "referred_to")))
     return faults
 
 
@@ -237,11 +237,15 @@ def dead_ends(definition: Definition) -> list[Fault]:
             touching.setdefault(node, []).append(element.name)
     channels: tuple[Input | Sensor, ...] = (*definition.inputs.values(), *definition.sensors.values())
     used = {name for channel in channels for name in (channel.of, *channel.nodes)}
-    used |= {node for one in definition.excitations.values() for node in (*one.nodes, one.reaction_node or GROUND)}
+    used |= {
+        node for source in definition.excitations.values() for node in (*source.nodes, source.reaction_node or GROUND)
+    }
     loading = (*definition.load.by_place, *definition.load.driven_by) if definition.load else ()
     used |= {node for place in loading for node in torque_place(place).nodes}
-    used |= {node for one in definition.scenarios.values() for node in one.places}
-    used |= {node for one in definition.elements.values() if one.may_end_anywhere for node in one.ports.values()}
+    used |= {node for scenario in definition.scenarios.values() for node in scenario.places}
+    used |= {
+        node for element in definition.elements.values() if element.may_end_anywhere for node in element.ports.values()
+    }
     used |= {GROUND, *definition.ports}
     if point := definition.operating_point:
         used |= {*point.speed, *point.loaded_nodes}

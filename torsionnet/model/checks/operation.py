@@ -136,7 +136,7 @@ def _contradicted(external: ExternalTorques, torques: Mapping[str, float], at: f
         return
     speeds = {node: ratio * at for node, ratio in external.ratios.items()}
     driven, load = (
-        sum(max(0.0, one * speeds.get(node, 0.0)) for node, one in side.items()) for side in (stated, torques)
+        sum(max(0.0, torque * speeds.get(node, 0.0)) for node, torque in side.items()) for side in (stated, torques)
     )
     if driven and not _agree(driven, load):
         text = (
@@ -198,10 +198,10 @@ def _unlike_directions(external: ExternalTorques) -> Iterator[Fault]:
     """Warnings about torques of the operating point whose power is that of a consumer at an engine, or the opposite."""
     speeds, definition = external.mean_speeds, external.definition
     expected: dict[str, tuple[str, bool]] = {}
-    for name, one in definition.excitations.items():
-        if one.enabled and one.rating is not None and one.rating.torque:
-            expected |= dict.fromkeys((*one.nodes, one.shaft), (name, one.rating.torque > 0))
-    expected |= {own_node(one.ports): (one.name, False) for one in definition.active if one.absorbs}
+    for name, excitation in definition.excitations.items():
+        if excitation.enabled and excitation.rating is not None and excitation.rating.torque:
+            expected |= dict.fromkeys((*excitation.nodes, excitation.shaft), (name, excitation.rating.torque > 0))
+    expected |= {own_node(element.ports): (element.name, False) for element in definition.active if element.absorbs}
     for node, torque in stated_torques(definition, external.values).items():
         if node in expected and torque * speeds.get(node, 0.0):
             yield from _wrong_way(node, torque, speeds, *expected[node])
@@ -245,7 +245,7 @@ def _working_points(external: ExternalTorques) -> Iterator[tuple[str, Mapping[st
 
 
 def _beyond(definition: Definition, values: Mapping[str, Any]) -> Iterator[tuple[EntryPath, str]]:
-    for element in (one for one in definition.active if one.reads_off):
+    for element in (element for element in definition.active if element.reads_off):
         for path, spec, expression, _ in element.expressions():
             if reason := spec.curve_fault(float(expression.evaluate(values))):
                 yield ("elements", element.name, *path), phrase("{} {}", expression, reason)
@@ -253,7 +253,7 @@ def _beyond(definition: Definition, values: Mapping[str, Any]) -> Iterator[tuple
 
 def _unlike_working_speeds(external: ExternalTorques) -> Iterator[Fault]:
     """Warnings about elements that are calculated at another speed than the load or the operating point gives them."""
-    stated = [(one, speed) for one in external.definition.active if (speed := _stated(one))]
+    stated = [(element, speed) for element in external.definition.active if (speed := _stated(element))]
     turning = _speeds(external) if stated else {}
     values = _values(external) if turning else {}
     for element, speed in stated if turning else ():
@@ -281,8 +281,11 @@ def _speeds(external: ExternalTorques) -> dict[str, float]:
 def _stated(element: Element) -> Expression | None:
     if SPEED_ENTRY not in dict(element.specs()):
         return None
-    found = element.expressions()
-    return next((one for path, _, one, dimension in found if path == (SPEED_ENTRY,) and dimension == SPEED_ENTRY), None)
+    expressions = element.expressions()
+    return next(
+        (formula for path, _, formula, dimension in expressions if path == (SPEED_ENTRY,) and dimension == SPEED_ENTRY),
+        None,
+    )
 
 
 def _values(external: ExternalTorques) -> Mapping[str, Any]:

@@ -83,10 +83,10 @@ def changed_expressions(definition: Definition) -> Iterator[tuple[EntryPath, Exp
                     yield (*place, f"{name}.{entry}", *rest), expression
 
 
-def _changed(one: Element | Scenario, changes: Mapping[str, Any]) -> Element | Scenario | None:
+def _changed(section: Element | Scenario, changes: Mapping[str, Any]) -> Element | Scenario | None:
     """Copy of an element or a scenario with the entries that an alternative changes; None where they do not fit it."""
     try:
-        return replace(one, **changes) if changes.keys() <= dict(one.specs()).keys() else None
+        return replace(section, **changes) if changes.keys() <= dict(section.specs()).keys() else None
     except ModelError:
         return None
 
@@ -98,17 +98,17 @@ def _unfit(definition: Definition, overlay: Overlay, path: EntryPath) -> Iterato
         keys = {entry: (*path, f"{name}.{entry}") for entry in changes}
         if not any(f"{name}.{entry}" in unknown for entry in changes):
             for fault in _wrong_values(definition, table, name, changes):
-                about = next((one for one in fault.path if one in keys), next(iter(keys)))
+                about = next((part for part in fault.path if part in keys), next(iter(keys)))
                 yield replace(fault, path=keys[str(about)])
 
 
 def _meaningless(definition: Definition, key: str, path: EntryPath) -> Fault | None:
     """Fault that an entry which an alternative changes does not exist, or None."""
     name, _, entry = key.rpartition(".")
-    found = section_of(definition, key)
-    if found is None:
+    section = section_of(definition, key)
+    if section is None:
         return _no_section(definition, name, path)
-    known = dict(found[2].specs())
+    known = dict(section[2].specs())
     return None if entry in known else unknown_name(f"entry of {name}", entry, known, path, on_key=True)
 
 
@@ -152,7 +152,7 @@ def _wrong_values(definition: Definition, table: str, name: str, changes: Mappin
     if table == SPEEDS:
         # An engine may have no gas at other speeds; what was wrong before the change is told where it stands.
         before, after = map(imported(OWNERS[EXCITATIONS].faults), (definition, changed))
-        return tuple(one for one in after if one.severity == "error" and one not in before)
+        return tuple(fault for fault in after if fault.severity == "error" and fault not in before)
     if table in SINGLE_SECTIONS:
         return ()
     # What was wrong before the change is told where it stands.

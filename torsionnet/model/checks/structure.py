@@ -197,7 +197,7 @@ def idle_channels(definition: Definition, kinematics: Kinematics) -> list[Fault]
     for table in ("inputs", "sensors"):
         for name, channel in getattr(definition, table).items():
             named = (channel.of,) if channel.is_on_element else channel.nodes
-            missing = [one for one in named if one not in (active if channel.is_on_element else nodes)]
+            missing = [place for place in named if place not in (active if channel.is_on_element else nodes)]
             if missing:
                 text = phrase("{} has nothing to act on: {} is switched off", ModelName(name), ModelName(missing[0]))
                 faults.append(Fault(text, (table, name), "note", on_key=True, causes=("off",)))
@@ -211,7 +211,7 @@ def rigid_body_modes(definition: Definition, kinematics: Kinematics) -> list[Fau
     """
     closed: tuple[str, ...] = ()
     loaded = definition.load or definition.operating_point.torque
-    if loaded and any(one.has_motion_laws for one in definition.active):
+    if loaded and any(element.has_motion_laws for element in definition.active):
         from torsionnet.model.checks.free_laws import with_gaps_closed
 
         kinematics, closed = with_gaps_closed(definition, kinematics)
@@ -234,10 +234,12 @@ def check_structure(definition: Definition, values: Mapping[str, Any]) -> list[F
     """Faults of all structural checks of one configuration; contradicting gears make the rest meaningless."""
     on = definition.active
     # Values quoted at another shaft first: without the speed ratio to it no element has laws.
-    if any(one.enabled and one.referred_to is not None for one in definition.elements.values()):
+    if any(element.enabled and element.referred_to is not None for element in definition.elements.values()):
         from torsionnet.model.referral import referral_faults
 
-        if unfit := list(referral_faults([one for one in definition.elements.values() if one.enabled], values)):
+        if unfit := list(
+            referral_faults([element for element in definition.elements.values() if element.enabled], values)
+        ):
             return unfit
     kinematics = solve_kinematics(definition, Values(values))
     # Friction that sticks holds its row in linear results; what turns is judged as it is while it slips.

@@ -27,17 +27,17 @@ def wrong_dimensions(definition: Definition) -> list[Fault]:
     """Faults of expressions whose dimension is not that of their entry."""
     known, faults = dimensions(definition.parameters)
     for table in (ELEMENTS, SCENARIOS):
-        for name, one in getattr(definition, table).items():
-            for path, _, expression, wanted in one.expressions():
+        for name, section in getattr(definition, table).items():
+            for path, _, expression, wanted in section.expressions():
                 if not wanted or not expression.names or not expression.names <= known.keys():
                     continue
                 try:
-                    found = expression.dimension(known)
+                    dimension = expression.dimension(known)
                 except ExpressionError as error:
                     faults.append(error.fault.under(table, name, *path))
                     continue
-                if found is not None and found != DIMENSIONS[wanted]:
-                    faults.append(_other_dimension(expression, found, wanted).under(table, name, *path))
+                if dimension is not None and dimension != DIMENSIONS[wanted]:
+                    faults.append(_other_dimension(expression, dimension, wanted).under(table, name, *path))
     return faults
 
 
@@ -53,17 +53,17 @@ def parameter_dimensions(definition: Definition) -> list[Fault]:
                     faults.append(fault.under("configurations", axis, label, name))
     for name, parameter in definition.parameters.items():
         wanted = known.get(name)
-        for index, found in enumerate(getattr(parameter.bounds, "dimensions", ())):
-            if wanted is not None and found is not None and found != wanted:
-                text = f"this bound has the dimension of {found}; the parameter is in {wanted}"
+        for index, dimension in enumerate(getattr(parameter.bounds, "dimensions", ())):
+            if wanted is not None and dimension is not None and dimension != wanted:
+                text = f"this bound has the dimension of {dimension}; the parameter is in {wanted}"
                 faults.append(Fault(text, ("parameters", name, "bounds", index), kind="wrong-unit"))
     return faults
 
 
-def _other_dimension(expression: Expression, found: Dimension, wanted: str) -> Fault:
-    inverse = _inverse(expression) if found * DIMENSIONS[wanted] == DIMENSIONS["1"] else ""
+def _other_dimension(expression: Expression, dimension: Dimension, wanted: str) -> Fault:
+    inverse = _inverse(expression) if dimension * DIMENSIONS[wanted] == DIMENSIONS["1"] else ""
     expected = "a plain number" if wanted == "1" else f"{wanted} in {expected_unit(wanted)}"
-    text = phrase('"{}" has the dimension of {}; expected {}', expression, found, expected)
+    text = phrase('"{}" has the dimension of {}; expected {}', expression, dimension, expected)
     if inverse:
         text = phrase("{}; write {}", text, inverse)
     return Fault(text, remedy=Remedy(WRITE, inverse, old=str(expression)) if inverse else None, kind="wrong-unit")
@@ -79,12 +79,12 @@ def _overlay_fault(value: Expression, base: Dimension | None, known: Mapping[str
     if not value.names <= known.keys():
         return None
     try:
-        found = value.dimension(known)
+        dimension = value.dimension(known)
     except ExpressionError as error:
         return error.fault
-    if found is None or base is None or found == base:
+    if dimension is None or base is None or dimension == base:
         return None
-    text = phrase('"{}" has the dimension of {}; the parameter is in {}', value, found, base)
+    text = phrase('"{}" has the dimension of {}; the parameter is in {}', value, dimension, base)
     return Fault(text, remedy=Remedy(IN_UNIT, str(base), old=str(value)), kind="wrong-unit")
 
 

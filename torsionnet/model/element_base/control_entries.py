@@ -38,7 +38,7 @@ class ControlLaw:
 
     def quotient(self, value: Values) -> tuple[Polynomial, Polynomial]:
         """Numerator and denominator of H(s), each as coefficients ascending in s, in the algebra of ``value``."""
-        given = {name: _evaluated(one, value) for name, one in self.entries}
+        given = {name: _evaluated(entry, value) for name, entry in self.entries}
         if self.form == GAIN:
             return (given["gain"],), (1,)
         if self.form == PID:
@@ -52,7 +52,7 @@ class ControlLaw:
 
 
 def _evaluated(entry: Any, value: Values) -> Any:
-    return tuple(_evaluated(one, value) for one in entry) if isinstance(entry, tuple) else value(entry)
+    return tuple(_evaluated(part, value) for part in entry) if isinstance(entry, tuple) else value(entry)
 
 
 def _pid(given: dict[str, Any]) -> tuple[Polynomial, Polynomial]:
@@ -70,13 +70,14 @@ def _with_roots(roots: Sequence[Any]) -> Polynomial:
 
     A pair stands for re + j im and re - j im.
     """
-    found: Polynomial = (1,)
+    polynomial: Polynomial = (1,)
     for root in roots:
         # A pair re + j im and re - j im is the real factor s^2 - 2 re s + re^2 + im^2.
-        found = product(
-            found, (root[0] * root[0] + root[1] * root[1], -2 * root[0], 1) if isinstance(root, tuple) else (-root, 1)
+        polynomial = product(
+            polynomial,
+            (root[0] * root[0] + root[1] * root[1], -2 * root[0], 1) if isinstance(root, tuple) else (-root, 1),
         )
-    return found
+    return polynomial
 
 
 def _of_matrices(given: dict[str, Any]) -> tuple[Polynomial, Polynomial]:
@@ -105,11 +106,11 @@ def product(first: Polynomial, second: Polynomial) -> Polynomial:
     >>> product((1, 2), (3, 0, 1))
     (3, 6, 1, 2)
     """
-    found: list[Any] = [0] * (len(first) + len(second) - 1)
+    coefficients: list[Any] = [0] * (len(first) + len(second) - 1)
     for i, a in enumerate(first):
         for j, b in enumerate(second):
-            found[i + j] = found[i + j] + a * b
-    return tuple(found)
+            coefficients[i + j] = coefficients[i + j] + a * b
+    return tuple(coefficients)
 
 
 def total(first: Polynomial, second: Polynomial) -> Polynomial:
@@ -181,12 +182,12 @@ class SensedEntry(Spec[SensedMotion]):
 
     def schema(self) -> Schema:
         node = OneOrTwoNodes("a node, or the first of two against the second").schema()
-        found: Schema = {
+        sensed: Schema = {
             "type": "object",
             "properties": dict.fromkeys(SENSED_QUANTITIES, node),
             "additionalProperties": False,
         }
-        return {**found, "minProperties": 1, "maxProperties": 1, "description": self.description}
+        return {**sensed, "minProperties": 1, "maxProperties": 1, "description": self.description}
 
     @property
     def accepted(self) -> str:
@@ -249,15 +250,15 @@ class ControlLawEntry(Spec[ControlLaw]):
             return ControlLaw(form, _matrices(raw))
         names = ("numerator", "denominator", "zeros", "poles", "p", "i", "d", "filter", "gain")
         given = [name for name in names if name in raw]
-        found = tuple((name, _at(name, _scalar if name == "gain" else read, raw[name])) for name in given)
-        law = ControlLaw(form, found)
+        entries = tuple((name, _at(name, _scalar if name == "gain" else read, raw[name])) for name in given)
+        law = ControlLaw(form, entries)
         _require_proper_entries(law)
         return law
 
     def plain(self, value: Any) -> Json:
         if value.form == GAIN:
             return plain_scalar(value.entries[0][1])
-        return {name: _plain(one) for name, one in value.entries}
+        return {name: _plain(entry) for name, entry in value.entries}
 
     def schema(self) -> Schema:
         scalars: Schema = {"type": "array", "items": SCALAR_SCHEMA}
@@ -285,17 +286,18 @@ def law_expressions(law: ControlLaw, power: int) -> tuple[tuple[EntryPath, Expre
     if law.form == PID:
         # The motion is s^power theta: an integral takes a power of s, a derivative adds one.
         kinds = {"p": power, "i": power - 1, "d": power + 1}
-        found = (
-            (name, one, "time" if name == "filter" else by_power.get(kinds[name], "")) for name, one in law.entries
+        terms = (
+            (name, expression, "time" if name == "filter" else by_power.get(kinds[name], ""))
+            for name, expression in law.entries
         )
-        return tuple(((name,), one, dimension) for name, one, dimension in found)
-    return tuple(((name, *path), one, "") for name, entry in law.entries for path, one in _leaves(entry))
+        return tuple(((name,), expression, dimension) for name, expression, dimension in terms)
+    return tuple(((name, *path), expression, "") for name, entry in law.entries for path, expression in _leaves(entry))
 
 
 def _leaves(entry: Any) -> list[tuple[EntryPath, Expression]]:
     if not isinstance(entry, tuple):
         return [((), entry)]
-    return [((place, *path), one) for place, part in enumerate(entry) for path, one in _leaves(part)]
+    return [((place, *path), expression) for place, part in enumerate(entry) for path, expression in _leaves(part)]
 
 
 def _form(raw: Mapping[str, Any]) -> str:
@@ -344,14 +346,15 @@ def _listed(raw: object) -> list[Any]:
 
 def _row(raw: object) -> tuple[Any, ...]:
     return tuple(
-        _at(place, _root if isinstance(one, list | tuple) else _scalar, one) for place, one in enumerate(_listed(raw))
+        _at(place, _root if isinstance(cell, list | tuple) else _scalar, cell)
+        for place, cell in enumerate(_listed(raw))
     )
 
 
 def _root(raw: Sequence[object]) -> tuple[Expression, ...]:
     if len(raw) != 2:
         raise EntryError(f"expected a real number, or [re, im] for a complex pair, {got(raw)}", kind="not-a-number")
-    return tuple(_at(place, _scalar, one) for place, one in enumerate(raw))
+    return tuple(_at(place, _scalar, part) for place, part in enumerate(raw))
 
 
 def _matrices(raw: Mapping[str, Any]) -> tuple[tuple[str, Any], ...]:
@@ -371,7 +374,7 @@ def _flat(name: str, raw: object) -> tuple[Expression, ...]:
     if not isinstance(raw, list | tuple):
         return (_at(name, _scalar, raw),)
     return tuple(
-        _at(name, _scalar, one) for part in raw for one in (part if isinstance(part, list | tuple) else [part])
+        _at(name, _scalar, cell) for part in raw for cell in (part if isinstance(part, list | tuple) else [part])
     )
 
 
@@ -383,15 +386,15 @@ def _require_proper_entries(law: ControlLaw) -> None:
                 "expected at least one coefficient, the highest power of s first", (name,), kind="missing-entry"
             )
         if law.form == POLYNOMIALS:
-            for place, one in enumerate(given[name]):
-                if isinstance(one, tuple):
+            for place, coefficient in enumerate(given[name]):
+                if isinstance(coefficient, tuple):
                     raise EntryError("a coefficient is a number or an expression", (name, place), kind="wrong-form")
-    if law.form == POLYNOMIALS and all(one == Number(0) for one in given["denominator"]):
+    if law.form == POLYNOMIALS and all(coefficient == Number(0) for coefficient in given["denominator"]):
         raise EntryError("the denominator is zero", ("denominator",), kind="out-of-range")
 
 
 def _plain(entry: Any) -> Any:
-    return [_plain(one) for one in entry] if isinstance(entry, tuple) else plain_scalar(entry)
+    return [_plain(part) for part in entry] if isinstance(entry, tuple) else plain_scalar(entry)
 
 
 def _from_control(raw: object) -> Any:

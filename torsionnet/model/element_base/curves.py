@@ -90,7 +90,7 @@ def is_share(key: Number) -> bool:
 
 
 def with_curve_ranges(
-    found: Iterable[tuple[EntryPath, Spec[object], Expression, str]],
+    quantities: Iterable[tuple[EntryPath, Spec[object], Expression, str]],
     curves: Mapping[str, tuple[Rows, Fraction | float]],
 ) -> Iterator[tuple[EntryPath, Spec[object], Expression, str]]:
     """Expressions of an element, each with its path, specification and dimension, operating values with their range.
@@ -99,10 +99,10 @@ def with_curve_ranges(
 
     ``curves`` are the rows by the name of the entry, and the value that rows given as shares are shares of, else 1.
     """
-    for path, spec, expression, dimension in found:
+    for path, spec, expression, dimension in quantities:
         rows, share_of = curves.get(str(path[0]), ((), 1))
         if rows and isinstance(spec, QuantityKind):
-            given = {one.name: getattr(spec, one.name) for one in fields(QuantityKind)}
+            given = {field.name: getattr(spec, field.name) for field in fields(QuantityKind)}
             yield path, OnCurve(**given, rows=rows, share_of=share_of), expression, dimension
         else:
             yield path, spec, expression, dimension

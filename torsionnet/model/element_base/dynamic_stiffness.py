@@ -93,7 +93,7 @@ class DynamicStiffness(ABC):
         import numpy as np
 
         # d/ds (k + s c) = c, d/domega (k + s c) = k' + s c'
-        followed = np.array([self.frozen_rate(one) for one in omega.tolist()], dtype=complex).reshape(-1, 2)
+        followed = np.array([self.frozen_rate(frequency) for frequency in omega.tolist()], dtype=complex).reshape(-1, 2)
         return self.frozen(omega)[1].astype(complex), followed[:, 0] + s * followed[:, 1]
 
     def slopes(self, s: Complexes, omega: Floats) -> Complexes:

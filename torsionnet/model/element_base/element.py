@@ -90,8 +90,8 @@ def element_classes() -> dict[str, type[Element]]:
 def element_class(name: str) -> type[Element] | None:
     """Element type of a class name, as in ``torsionnet.Spring``, or None; only its own file is imported."""
     kind = re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower()
-    found = ELEMENT_TYPES.get(kind)
-    return found if found is not None and found.__name__ == name else element_classes().get(name)
+    cls = ELEMENT_TYPES.get(kind)
+    return cls if cls is not None and cls.__name__ == name else element_classes().get(name)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -229,12 +229,12 @@ class Element(Declared, ArgumentHints):
 
     def own_tangent_parts(self, value: Values, states: Sequence[MotionState] = ()) -> tuple[Part, ...]:
         """Parts that follow from the entries for small motion about states."""
-        found: list[Part] = []
+        parts: list[Part] = []
         given = iter(states)
         for part in self.whole_parts(value):
             # States belong to the laws of motion alone, in the order of these.
-            found += part.tangent(next(given, AT_REST)) if isinstance(part, MotionLaw) else (part,)
-        return tuple(found)
+            parts += part.tangent(next(given, AT_REST)) if isinstance(part, MotionLaw) else (part,)
+        return tuple(parts)
 
     @final
     def parts(self, value: Values) -> tuple[Part, ...]:
@@ -368,8 +368,8 @@ class Element(Declared, ArgumentHints):
 
     def renamed(self, names: Renaming) -> Self:
         """Copy of the element of a part, with its names in the whole model."""
-        found = {name: spec.renamed(value, names) for name, (spec, value) in self.scalars().items()}
-        return replace(self, name=names.own(self.name), **found)
+        renamed = {name: spec.renamed(value, names) for name, (spec, value) in self.scalars().items()}
+        return replace(self, name=names.own(self.name), **renamed)
 
     def _key(self) -> tuple[Any, ...]:
         return (
@@ -403,9 +403,9 @@ class Element(Declared, ArgumentHints):
                 for subpath, of, expression, dimension in spec.quantities(value):
                     yield (name, *subpath), of, expression, dimension
             else:
-                one = spec.of if isinstance(spec, MultipleValues) else spec
+                kind = spec.of if isinstance(spec, MultipleValues) else spec
                 for subpath, expression, dimension in spec.expressions(value):
-                    yield (name, *subpath), one, expression, dimension
+                    yield (name, *subpath), kind, expression, dimension
 
     def to_data(self) -> dict[str, Json]:
         """Entries of the element as a model file has them."""

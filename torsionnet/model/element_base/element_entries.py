@@ -91,9 +91,9 @@ class NodePair(Spec[tuple[str, str]]):
 
     def coerce(self, raw: object) -> tuple[str, str]:
         if isinstance(raw, str) or not isinstance(raw, Sequence) or len(raw) != 2:
-            one: Any = [raw] if isinstance(raw, str) else raw
-            alone = isinstance(one, Sequence) and len(one) == 1 and isinstance(one[0], str)
-            ground = f"; to the ground: [{one[0]}, ground]" if alone else ""
+            ends: Any = [raw] if isinstance(raw, str) else raw
+            alone = isinstance(ends, Sequence) and len(ends) == 1 and isinstance(ends[0], str)
+            ground = f"; to the ground: [{ends[0]}, ground]" if alone else ""
             raise EntryError(Fault(f"expected two nodes [first, second], {got(raw)}{ground}", kind="not-a-node"))
         names: list[str] = []
         for index, node in enumerate(raw):

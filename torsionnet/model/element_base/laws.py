@@ -208,7 +208,9 @@ class MotionState:
     def scaled(self, ratio: Any) -> MotionState:
         """State of a shaft that turns ``ratio`` times as fast, in the same piece."""
         ratio = float(ratio) if self.twist or self.rate or any(self.sensed) else 1.0
-        return MotionState(ratio * self.twist, ratio * self.rate, tuple(ratio * one for one in self.sensed), self.piece)
+        return MotionState(
+            ratio * self.twist, ratio * self.rate, tuple(ratio * motion for motion in self.sensed), self.piece
+        )
 
 
 AT_REST = MotionState()
@@ -303,7 +305,7 @@ class ScaledCurve(TorqueCurve):
         return self.curve.over
 
     def torque(self, twist: Any, rate: Any, *sensed: Any) -> Any:
-        moved = (self.ratio * one for one in (twist, rate, *sensed))
+        moved = (self.ratio * motion for motion in (twist, rate, *sensed))
         return self.ratio * self.curve.torque(*moved)
 
     def energy(self, twist: Any) -> Any:
@@ -316,15 +318,15 @@ class ScaledCurve(TorqueCurve):
         return self.curve.holds(state.scaled(self.ratio))
 
     def states_at(self, torque: Any) -> tuple[MotionState, ...] | None:
-        found = self.curve.states_at(torque / self.ratio)
-        if found is None:
+        states = self.curve.states_at(torque / self.ratio)
+        if states is None:
             return None
-        own = tuple(state.scaled(1 / self.ratio) for state in found)
+        own = tuple(state.scaled(1 / self.ratio) for state in states)
         return own[::-1] if self.ratio < 0 else own
 
     def corners(self) -> tuple[Any, ...]:
-        found = tuple(place / self.ratio for place in self.curve.corners())
-        return found[::-1] if self.ratio < 0 else found
+        corners = tuple(place / self.ratio for place in self.curve.corners())
+        return corners[::-1] if self.ratio < 0 else corners
 
     def range(self) -> tuple[Any, Any]:
         lower, upper = (None if end is None else end / self.ratio for end in self.curve.range())

@@ -25,20 +25,20 @@ class TableByName(MultipleValues[tuple[str, One_co], One_co]):
         pairs = _pairs(raw)
         if pairs is None or len(pairs) < self.fewest:
             raise self.form_error(raw)
-        found: list[tuple[str, One_co | None]] = []
+        entries: list[tuple[str, One_co | None]] = []
         faults: list[Fault] = []
         for name, value in pairs:
             unfit = name_fault(str(name))
             faults += [replace(unfit, path=(name,), on_key=True)] if unfit else []
-            one, wrong = self.of.read(value)
-            found.append((str(name), one))
+            entry, wrong = self.of.read(value)
+            entries.append((str(name), entry))
             faults += [fault.under(name) for fault in wrong]
         if faults:
             raise EntryError(faults)
-        return cast("tuple[tuple[str, One_co], ...]", tuple(found))
+        return cast("tuple[tuple[str, One_co], ...]", tuple(entries))
 
     def plain(self, value: Any) -> Json:
-        return {name: self.of.plain(one) for name, one in value}
+        return {name: self.of.plain(entry) for name, entry in value}
 
     def schema(self) -> Schema:
         return {
@@ -51,8 +51,8 @@ class TableByName(MultipleValues[tuple[str, One_co], One_co]):
     def expressions(self, value: Any) -> tuple[tuple[EntryPath, Expression, str], ...]:
         return tuple(
             ((name, *path), expression, dimension)
-            for name, one in value
-            for path, expression, dimension in self.of.expressions(one)
+            for name, entry in value
+            for path, expression, dimension in self.of.expressions(entry)
         )
 
     @property
@@ -65,7 +65,7 @@ class TableByNode(TableByName[One_co]):
     """Entry for values by node, stored as pairs of node and value: ``{crank: 80 mm, pump: 60 mm}``."""
 
     def renamed(self, value: Any, names: Renaming) -> Any:
-        return tuple((names.node(node), names.within(one)) for node, one in value)
+        return tuple((names.node(node), names.within(entry)) for node, entry in value)
 
 
 class ListOf(MultipleValues[One_co, One_co]):
@@ -74,14 +74,14 @@ class ListOf(MultipleValues[One_co, One_co]):
     def coerce(self, raw: object) -> tuple[One_co, ...]:
         if not isinstance(raw, list | tuple) or (raw and len(raw) < self.fewest):
             raise self.form_error(raw)
-        read = [self.of.read(one) for one in raw]
-        faults = [fault.under(index) for index, (_, found) in enumerate(read) for fault in found]
+        read = [self.of.read(entry) for entry in raw]
+        faults = [fault.under(index) for index, (_, wrong) in enumerate(read) for fault in wrong]
         if faults:
             raise EntryError(faults)
         return cast("tuple[One_co, ...]", tuple(value for value, _ in read))
 
     def plain(self, value: Any) -> Json:
-        return [self.of.plain(one) for one in value]
+        return [self.of.plain(entry) for entry in value]
 
     def schema(self) -> Schema:
         return {
@@ -94,8 +94,8 @@ class ListOf(MultipleValues[One_co, One_co]):
     def expressions(self, value: Any) -> tuple[tuple[EntryPath, Expression, str], ...]:
         return tuple(
             ((index, *path), expression, dimension)
-            for index, one in enumerate(value)
-            for path, expression, dimension in self.of.expressions(one)
+            for index, entry in enumerate(value)
+            for path, expression, dimension in self.of.expressions(entry)
         )
 
     @property

@@ -212,8 +212,8 @@ class ShaftEnd(ShaftStiffness):
         far = np.abs(x.imag) > DECAYED_ARGUMENT
         inside = np.where((x == 0) | far, 1.0, x)
         # f = -x tan(x/2): df/d(x^2) = -(sin x + x)/(4 x cos^2(x/2)), which is -1/2 at x = 0.
-        found = -(np.sin(inside) + inside) / (4 * inside * np.cos(inside / 2) ** 2)
-        return np.where(x == 0, -0.5, np.where(far, -np.tan(x / 2) / (2 * np.where(far, x, 1.0)), found))
+        slope = -(np.sin(inside) + inside) / (4 * inside * np.cos(inside / 2) ** 2)
+        return np.where(x == 0, -0.5, np.where(far, -np.tan(x / 2) / (2 * np.where(far, x, 1.0)), slope))
 
     @staticmethod
     def _in_functions(x: Any, functions: Any) -> Any:

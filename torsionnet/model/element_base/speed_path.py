@@ -191,11 +191,11 @@ class SpeedPaths:
 
     @cached_property
     def _at(self) -> dict[str, list[_Held]]:
-        found: dict[str, list[_Held]] = {}
+        by_node: dict[str, list[_Held]] = {}
         for held in self._rows:
             for node in held.row:
-                found.setdefault(node, []).append(held)
-        return found
+                by_node.setdefault(node, []).append(held)
+        return by_node
 
     def _is_unity(self, step: SpeedStep) -> bool:
         return step.alike or any(
@@ -204,7 +204,7 @@ class SpeedPaths:
 
     def _tree(self, end: str, moving: Sequence[str]) -> SpeedTree:
         still = self._standing({end, *moving})
-        found: dict[str, SpeedStep | None] = {end: None}
+        steps: dict[str, SpeedStep | None] = {end: None}
         closing = []
         waiting = [end]
         # Breadth first from the end, so that every node has the path of fewest steps.
@@ -212,25 +212,25 @@ class SpeedPaths:
             for held in self._at.get(node, ()):
                 for other in held.leads(node, still):
                     step = SpeedStep(held.element, held.number, other, node, alike=held.is_alike(still))
-                    own = found[node]
+                    own = steps[node]
                     # A node met again closes a loop, unless by the row on which the search came.
-                    if other not in found:
-                        found[other] = step
+                    if other not in steps:
+                        steps[other] = step
                         waiting.append(other)
                     elif own is None or (own.element, own.row) != (held.element, held.number):
                         closing.append(step)
-        return SpeedTree(found, tuple(closing))
+        return SpeedTree(steps, tuple(closing))
 
     def _standing(self, moving: set[str]) -> set[str]:
         """Nodes tied to ground by clamps and springs, without those that turn with the ``moving`` nodes."""
         tied = Groups[str]()
         held = set[str]()
         # Rows of two nodes tie them on average, a row of one node holds it.
-        for one in self._rows:
-            if len(one.row) == 2:
-                tied.join(*one.row)
-            elif len(one.row) == 1:
-                held |= one.row.keys()
+        for tie in self._rows:
+            if len(tie.row) == 2:
+                tied.join(*tie.row)
+            elif len(tie.row) == 1:
+                held |= tie.row.keys()
         for element in self.elements:
             if element.glyph == "clamp":
                 held |= {node for node in element.ports.values() if node != GROUND}
@@ -269,9 +269,9 @@ def second_ratio(tree: SpeedTree, start: str, value: Values) -> Any | None:
 
 def _way(tree: SpeedTree, node: str) -> set[str]:
     """Nodes on the way from a node to the end of a speed tree, the end left out."""
-    found = set[str]()
+    way = set[str]()
     step = tree.steps[node]
     while step is not None:
-        found.add(step.start)
+        way.add(step.start)
         step = tree.steps[step.end]
-    return found
+    return way

@@ -149,16 +149,16 @@ def stage_spans(stages: Sequence[SpringStage], value: Values) -> list[StageSpan]
     >>> int(second.stiffness), float(second.begin.twist), float(second.begin.torque), second.end
     (800, 0.5, 150.0, None)
     """
-    found: list[StageSpan] = []
+    spans: list[StageSpan] = []
     begin = StagePoint(Fraction(0), Fraction(0))
     for stage in stages:
         stiffness = exact_or_value(stage.stiffness, value)
         preload = Fraction(0) if stage.preload is None else exact_or_value(stage.preload, value)
         # A preload is a step of the torque where its stage begins.
         end = None if stage.end is None else _end(begin, stiffness, begin.torque + preload, stage.end, value)
-        found.append(StageSpan(stiffness, preload, begin, end))
+        spans.append(StageSpan(stiffness, preload, begin, end))
         begin = end or begin
-    return found
+    return spans
 
 
 def _end(
@@ -183,7 +183,7 @@ def stage_faults(stages: Sequence[SpringStage], value: Values) -> list[Fault]:
             stage.preload is not None and exact_or_value(stage.preload, value) < 0
         ):
             return []
-    found = []
+    faults = []
     for place, (stage, span) in enumerate(zip(stages, stage_spans(stages, value), strict=True)):
         if stage.end is None or span.end is None:
             continue
@@ -199,8 +199,8 @@ def stage_faults(stages: Sequence[SpringStage], value: Values) -> list[Fault]:
             text = (
                 f"the stages end at rising {what}; this one ends at {at} {unit}, begun at {shown(None, begun)} {unit}"
             )
-            found.append(Fault(text, (place, name), kind="unordered-rows"))
-    return found
+            faults.append(Fault(text, (place, name), kind="unordered-rows"))
+    return faults
 
 
 def stage_torques(stages: Sequence[SpringStage], value: Values) -> list[Any]:
@@ -229,7 +229,7 @@ def stage_range(stages: Sequence[SpringStage]) -> Rows:
 
     Empty if the last stage has no end, or if it follows parameters.
     """
-    if not stages or any(one.names for stage in stages for _, _, one, _ in stage.quantities()):
+    if not stages or any(expression.names for stage in stages for _, _, expression, _ in stage.quantities()):
         return ()
     last = stage_torques(stages, Values({}))[-1]
     return () if last is None else ((Number(0),), (Number(last),))

@@ -59,7 +59,7 @@ class SpringStages(
             for place, stage in enumerate(stages[:-1])
             if stage.end is None
         ]
-        if not faults and not any(one.names for _, _, one, _ in self.quantities(stages)):
+        if not faults and not any(expression.names for _, _, expression, _ in self.quantities(stages)):
             from torsionnet.model.element_base.spring_stage import stage_faults
 
             faults = stage_faults(stages, Values({}))
@@ -145,12 +145,12 @@ def numbers_of(rows: ExpressionRows, value: Values) -> NumberRows:
 
 def row_order_faults(column: RowColumn, rows: ExpressionRows, value: Values) -> list[Fault]:
     """Faults of rows whose first column does not rise, with their path in the table."""
-    found = []
+    faults = []
     for index, (row, following) in enumerate(pairwise(rows), 1):
         before, here = exact_or_value(row[0], value), exact_or_value(following[0], value)
         if not here > before:
             text = f"the {column.name} must increase from row to row"
             if row[0].names or following[0].names:
                 text += f"; here it is {shown(following[0], here)} after {shown(row[0], before)}"
-            found.append(Fault(text, (index, 0), kind="unordered-rows"))
-    return found
+            faults.append(Fault(text, (index, 0), kind="unordered-rows"))
+    return faults

@@ -122,7 +122,7 @@ class SampledStiffness(StiffnessTable):
         >>> SampledStiffness.of([1, 100], [10, 1000], [5, 5]).kappa(math.tau * np.array([0.0, 10.0])).round(9)
         array([ 10.+0.j, 100.+5.j])
         """
-        damping = tuple(one / (math.tau * f) for f, one in zip(frequencies, loss, strict=True))
+        damping = tuple(k / (math.tau * f) for f, k in zip(frequencies, loss, strict=True))
         return cls(tuple(map(float, frequencies)), tuple(map(float, storage)), damping, viscous)
 
     def kappa(self, omega: NDArray[np.float64]) -> NDArray[np.complex128]:
@@ -191,7 +191,7 @@ class SampledStiffness(StiffnessTable):
         if place == len(self.frequencies):
             return 0j
         here = complex(self.kappa(np.array([omega]))[0])
-        loss = [math.tau * one * c for one, c in zip(self.frequencies, self.damping, strict=True)]
+        loss = [math.tau * frequency * c for frequency, c in zip(self.frequencies, self.damping, strict=True)]
         # k goes with omega^n on a piece, so that dk/domega = n k/omega, with n the slope of the logarithms.
         width = math.log(self.frequencies[place] / self.frequencies[place - 1])
         k, second = (math.log(column[place] / column[place - 1]) / width for column in (self.stiffness, loss))
@@ -220,7 +220,7 @@ def stiffness_from_curves(
     frequencies = sorted({float(f.value) for f, _ in (*factor, *loss)})
     factors = [_read(factor, f, 1.0) for f in frequencies]
     losses = [_read(loss, f, loss_factor) for f in frequencies]
-    storage = [stiffness * one for one in factors]
+    storage = [stiffness * share for share in factors]
     second = [k * eta for k, eta in zip(storage, losses, strict=True)]
     return SampledStiffness.of(frequencies, storage, second, viscous=viscous)
 
@@ -231,7 +231,7 @@ def _read(rows: Rows, frequency: float, otherwise: float) -> float:
 
     if not rows:
         return otherwise
-    keys, values = zip(*((math.log(f.value), math.log(one.value)) for f, one in rows), strict=True)
+    keys, values = zip(*((math.log(f.value), math.log(number.value)) for f, number in rows), strict=True)
     return math.exp(float(np.interp(math.log(frequency), keys, values)))
 
 

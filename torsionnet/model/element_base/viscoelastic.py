@@ -142,7 +142,7 @@ class Viscoelastic(Declared):
         import numpy as np
 
         # log a_T is straight between the temperatures of the table.
-        keys, logs = zip(*((float(key.value), math.log(one.value)) for key, one in self.shift), strict=True)
+        keys, logs = zip(*((float(key.value), math.log(factor.value)) for key, factor in self.shift), strict=True)
         return math.exp(float(np.interp(temperature, keys, logs)))
 
     def stiffness(self, shape: float, temperature: float | None, *, viscous: bool = False) -> SampledStiffness:
@@ -289,9 +289,9 @@ def given_curves(coupling: Any) -> list[tuple[str, str]]:
 
 def contradictions(coupling: Any) -> list[Fault]:
     """Faults of a coupling in the source of its stiffness, or, where that is clear, in its other entries."""
-    found = _source_faults(coupling)
-    if found or coupling.material is not None:
-        return found or _material_faults(coupling)
+    faults = _source_faults(coupling)
+    if faults or coupling.material is not None:
+        return faults or _material_faults(coupling)
     return [
         *_curve_faults(coupling),
         *_damping_faults(coupling),
@@ -301,12 +301,12 @@ def contradictions(coupling: Any) -> list[Fault]:
 
 def _source_faults(coupling: Any) -> list[Fault]:
     sources = ("stiffness", "stiffness_over_torque", "material")
-    found = given_entries(coupling, *sources)
-    if not found:
+    given = given_entries(coupling, *sources)
+    if not given:
         return [
             Fault("give stiffness, stiffness_over_torque, or material and geometry", on_key=True, kind="missing-entry")
         ]
-    if len(found) > 1:
+    if len(given) > 1:
         return one_at_most(coupling, *sources, of="the stiffness")
     if (coupling.material is None) != (coupling.geometry is None):
         lacking = "geometry, as {type: disc, ...}" if coupling.material is not None else "material, as {moduli: ...}"
@@ -330,8 +330,8 @@ def _material_faults(coupling: Any) -> list[Fault]:
 
 def _curve_faults(coupling: Any) -> list[Fault]:
     faults = []
-    found = given_curves(coupling)
-    for name, operating in found:
+    given = given_curves(coupling)
+    for name, operating in given:
         if getattr(coupling, operating) is None:
             faults.append(
                 Fault(f"{name} needs {operating}, at which it is read", (name,), on_key=True, kind="missing-entry")
@@ -340,7 +340,7 @@ def _curve_faults(coupling: Any) -> list[Fault]:
             text = "rows without a unit are shares of the nominal torque: give T_KN, or torques in N*m"
             faults.append(Fault(text, (name,), on_key=True, kind="missing-entry"))
     for operating in dict.fromkeys(_READ_AT.values()):
-        if getattr(coupling, operating) is not None and operating not in {where for _, where in found}:
+        if getattr(coupling, operating) is not None and operating not in {where for _, where in given}:
             curves = " or ".join(name for name, where in _READ_AT.items() if where == operating)
             faults.append(
                 Fault(

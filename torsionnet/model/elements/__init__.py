@@ -38,7 +38,7 @@ __all__ = [
 
 def __getattr__(name: str) -> object:
     """Class of an element type by its name, imported at first use."""
-    found = element_class(name) if name[:1].isupper() else None
-    if found is None:
+    element_type = element_class(name) if name[:1].isupper() else None
+    if element_type is None:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}", name=name)
-    return found
+    return element_type

@@ -67,6 +67,6 @@ class ArcSpring(Element):
         return self.with_laws(LawsOverTime(self)) if self.other_laws is None else super().over_time
 
     def own_parts(self, value: Values) -> tuple[Part, ...]:
-        stiffness, eta = arc_stiffness(value.algebra, *(value(one) for one in arc_values(self)))
+        stiffness, eta = arc_stiffness(value.algebra, *(value(number) for number in arc_values(self)))
         damping = viscous(self.damping, stiffness, value)
         return (Law(difference(*self.nodes), damping=damping, stiffness=stiffness, loss_factor=eta),)

@@ -66,11 +66,11 @@ class Controller(Element):
     @property
     def ports(self) -> dict[str, str]:
         named = zip(("node", "housing", "sensed", "sensed_against"), (*self._pair, *self.sense.nodes), strict=False)
-        found: dict[str, str] = {}
+        ports: dict[str, str] = {}
         for name, node in named:
-            if node and node not in found.values():
-                found[name] = node
-        return found
+            if node and node not in ports.values():
+                ports[name] = node
+        return ports
 
     @property
     def _pair(self) -> tuple[str, str]:

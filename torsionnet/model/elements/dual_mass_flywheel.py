@@ -242,7 +242,7 @@ class DualMassFlywheel(Element):
         """Springs on an arc at their swing, with basic friction and a loss factor of their own beside them."""
         from torsionnet.model.arc_spring.linear_law import arc_stiffness, arc_values  # few flywheels give an arc
 
-        stiffness, eta = arc_stiffness(value.algebra, *(value(one) for one in arc_values(self)))
+        stiffness, eta = arc_stiffness(value.algebra, *(value(number) for number in arc_values(self)))
         eta = eta + loss_factor(self.loss_factor, value.parameters, value.algebra)
         if self.friction != Number(0):
             eta = eta + 4 * value(self.friction) / (value.algebra.pi * stiffness * value(self.swing))

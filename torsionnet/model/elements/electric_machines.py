@@ -465,9 +465,9 @@ class GridGenerator(Element):
 
     def _power_faults(self) -> list[Fault]:
         data = [getattr(self, name) for name in _BEHIND_A_REACTANCE]
-        if not all(isinstance(one, Number) for one in data):
+        if not all(isinstance(datum, Number) for datum in data):
             return []
-        emf, voltage, reactance, power = (float(one.value) for one in data)
+        emf, voltage, reactance, power = (float(datum.value) for datum in data)
         # P = (E U/X) sin(delta) is largest at a load angle of 90 deg, where the machine falls out of step.
         if reactance <= 0 or power < emf * voltage / reactance:
             return []

@@ -156,8 +156,8 @@ class FlexibleCoupling(Element):
         # Of n couplings in parallel and m in series: k and c count n/m times.
         groups = value(scalar(self.in_parallel)) / value(scalar(self.in_series))
         if self.material is not None or self.frequency_factor or self.loss_over_frequency:
-            one = 0 if self.damping is None else value(scalar(self.damping))
-            return Law(row, damping=one * groups, table=self._over_frequency(groups, value))
+            c = 0 if self.damping is None else value(scalar(self.damping))
+            return Law(row, damping=c * groups, table=self._over_frequency(groups, value))
         stiffness = self._stiffness(value)
         damping = viscous(self.damping, stiffness, value) * groups
         return Law(row, damping=damping, stiffness=stiffness * groups, loss_factor=self._loss_factor(value))

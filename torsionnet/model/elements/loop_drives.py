@@ -154,10 +154,14 @@ class LoopDrive(Element):
         radius = self.first_radius(value)
         parts = []
         for place, stiffness in enumerate(self._span_stiffnesses(value)):
-            one, other = self.wheels[place], self.wheels[(place + 1) % count]
+            wheel, other = self.wheels[place], self.wheels[(place + 1) % count]
             # gamma is what a span gets shorter, over r_1: by its two wheels, and by the arm of a tensioner.
             row = self._row(
-                [(one, radius_ratios[one]), (other, -radius_ratios[other]), *self._by_arm(one, other, radius, value)]
+                [
+                    (wheel, radius_ratios[wheel]),
+                    (other, -radius_ratios[other]),
+                    *self._by_arm(wheel, other, radius, value),
+                ]
             )
             # A change of length r_1 gamma at a lever r_1 makes k in N/m a stiffness k r_1^2 in N m/rad.
             referred = stiffness * radius**2
@@ -166,12 +170,12 @@ class LoopDrive(Element):
 
     def _span_stiffnesses(self, value: Values) -> list[Any]:
         if self.stiffness:
-            return [value(one) for one in self.stiffness]
+            return [value(stiffness) for stiffness in self.stiffness]
         return [value(self.axial_stiffness) / value(length) for length in self.lengths]
 
-    def _by_arm(self, one: str, other: str, radius: Any, value: Values) -> list[tuple[str, Any]]:
+    def _by_arm(self, wheel: str, other: str, radius: Any, value: Values) -> list[tuple[str, Any]]:
         """Arm node, and coefficient by which the tensioner arm shortens a span over the first wheel's radius."""
-        levers = zip((other, one), self.levers, strict=False)
+        levers = zip((other, wheel), self.levers, strict=False)
         return [(not_none(self.arm), -value(lever) / radius) for end, lever in levers if end == self.tensioner]
 
     def _row(self, ends: Ends) -> Any:

@@ -36,17 +36,17 @@ class SymmetricMatrix(Spec[SquareMatrix]):
         if isinstance(rows, str | Mapping) or not isinstance(rows, Sequence) or not rows:
             raise EntryError(f"expected rows of numbers, as [[2, -2], [-2, 2]], {got(raw)}", kind="wrong-form")
         faults: list[Fault] = []
-        found = tuple(self._row(number, row, len(rows), faults) for number, row in enumerate(rows))
+        matrix = tuple(self._row(number, row, len(rows), faults) for number, row in enumerate(rows))
         if faults:
             raise EntryError(faults)
-        return found
+        return matrix
 
     def _row(self, number: int, row: Any, size: int, faults: list[Fault]) -> tuple[Fraction, ...]:
         if isinstance(row, str | Mapping) or not isinstance(row, Sequence) or len(row) != size:
             text = f"a matrix has as many columns as rows, here {size}; row {number + 1} does not"
             faults.append(Fault(text, (number,), kind="wrong-count"))
             return ()
-        found = []
+        numbers = []
         for column, raw in enumerate(row):
             try:
                 value = read_scalar(raw, self.dimension)
@@ -55,10 +55,10 @@ class SymmetricMatrix(Spec[SquareMatrix]):
                         f"a matrix holds numbers, {got(raw)}; for parameters use springs and inertias",
                         kind="expression-not-allowed",
                     )
-                found.append(Fraction(value.value))
+                numbers.append(Fraction(value.value))
             except EntryError as error:
                 faults += [fault.under(number, column) for fault in error.faults]
-        return tuple(found)
+        return tuple(numbers)
 
     def plain(self, value: Any) -> Json:
         return [[plain_number(number) for number in row] for row in value]
@@ -151,13 +151,13 @@ class LumpedMatrices(Element):
 
     def own_parts(self, value: Values) -> tuple[Part, ...]:
         del value
-        found = []
+        laws = []
         for name, matrix in self.matrices.items():
             for row, coefficient in weighted_rows(matrix)[0]:
                 coefficients: dict[str, Any] = {name: coefficient}
                 named: Row = {self.nodes[place]: number for place, number in row.items()}
-                found.append(Law(named, **coefficients))
-        return tuple(found)
+                laws.append(Law(named, **coefficients))
+        return tuple(laws)
 
 
 def matrix_faults(matrix: SquareMatrix, name: str, nodes: Sequence[str]) -> list[Fault]:
@@ -212,9 +212,9 @@ def weighted_rows(matrix: SquareMatrix) -> tuple[list[WeightedRow], int | None]:
 
 def _connections(A: list[list[Fraction]], sums: list[Fraction]) -> list[WeightedRow]:
     """Rows of what joins two nodes, or a node to ground, in a matrix of springs, dampers or inertias."""
-    n, one = len(A), Fraction(1)
-    found = [({i: one, j: -one}, -A[i][j]) for i in range(n) for j in range(i + 1, n) if A[i][j]]
-    return found + [({i: one}, sums[i]) for i in range(n) if sums[i] > n * ROUNDING * A[i][i]]
+    n, unit = len(A), Fraction(1)
+    rows = [({i: unit, j: -unit}, -A[i][j]) for i in range(n) for j in range(i + 1, n) if A[i][j]]
+    return rows + [({i: unit}, sums[i]) for i in range(n) if sums[i] > n * ROUNDING * A[i][i]]
 
 
 def _factors(A: list[list[Fraction]]) -> tuple[list[WeightedRow], int | None]:
@@ -222,14 +222,14 @@ def _factors(A: list[list[Fraction]]) -> tuple[list[WeightedRow], int | None]:
     n = len(A)
     sizes = [A[i][i] for i in range(n)]
     rest = [row[:] for row in A]
-    left, found = set(range(n)), []
+    left, columns = set(range(n)), []
     while left:
         pivot = max(left, key=lambda i: (rest[i][i] / sizes[i] if sizes[i] else rest[i][i], -i))
         d = rest[pivot][pivot]
         if d <= n * ROUNDING * sizes[pivot]:
             break
         row = {j: rest[pivot][j] / d for j in sorted(left) if rest[pivot][j]}
-        found.append((row, d))
+        columns.append((row, d))
         left.remove(pivot)
         for i, a in row.items():
             for j, b in row.items():
@@ -238,5 +238,5 @@ def _factors(A: list[list[Fraction]]) -> tuple[list[WeightedRow], int | None]:
     for i in sorted(left):
         for j in left:
             if abs(rest[i][j]) > ROUNDED_NEGATIVE * max(sizes[i], sizes[j]):
-                return found, i
-    return found, None
+                return columns, i
+    return columns, None

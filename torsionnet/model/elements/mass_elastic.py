@@ -39,13 +39,13 @@ class Stations(Plural[tuple[tuple[str, str], ...]]):
             raise EntryError(
                 f"expected {{mass of the sheet: node}}, as {{flywheel: fly}}, {got(raw)}", kind="wrong-form"
             )
-        found = []
+        stations = []
         for mass, node in raw.items():
             try:
-                found.append((str(mass), TURNING_NODE.coerce(node)))
+                stations.append((str(mass), TURNING_NODE.coerce(node)))
             except EntryError as error:
                 raise EntryError(error.fault.under(mass)) from None
-        return tuple(found)
+        return tuple(stations)
 
     def renamed(self, value: Any, names: Renaming) -> Any:
         return tuple((mass, names.node(node)) for mass, node in value)
@@ -96,17 +96,17 @@ class MassElastic(Element):
         masses, taken = self.table.masses, list[str]()
         faults: list[Fault] = []
         for mass, node in self.at:
-            found = _mass_called(mass, masses)
-            if found is None:
-                known = [one.name for one in masses]
+            name = _mass_called(mass, masses)
+            if name is None:
+                known = [listed.name for listed in masses]
                 meant = nearest(mass, known)
                 rest = question(meant) or f"; there are {', '.join(known)}"
                 text = f'the sheet has no mass "{mass}"{rest}'
                 faults.append(Fault(text, ("at", mass), on_key=True, about=mass, meant=meant, kind="unknown-name"))
-            elif found in taken:
+            elif name in taken:
                 faults.append(
                     Fault(
-                        f'mass "{found}" is put on two nodes; keep one of them',
+                        f'mass "{name}" is put on two nodes; keep one of them',
                         ("at", mass),
                         on_key=True,
                         kind="repeated-name",
@@ -115,7 +115,7 @@ class MassElastic(Element):
             if sum(node == other for _, other in self.at) > 1:
                 text = phrase('two masses are on node "{}"; give each a node of its own', ModelName(node))
                 faults.append(Fault(text, ("at", mass), kind="same-node"))
-            taken += [found] if found else []
+            taken += [name] if name else []
         return faults
 
     @property
@@ -136,8 +136,8 @@ class MassElastic(Element):
 
     def expanded(self) -> tuple[Element, ...]:
         """Inertias, shafts, dampers and gears of the sheet as elements."""
-        found = tuple(sheet_elements(self.table, self.nodes_of_masses, f"{self.name}."))
-        return found if self.enabled else tuple(replace(element, enabled=False) for element in found)
+        elements = tuple(sheet_elements(self.table, self.nodes_of_masses, f"{self.name}."))
+        return elements if self.enabled else tuple(replace(element, enabled=False) for element in elements)
 
     def own_parts(self, value: Values) -> tuple[Part, ...]:
         return tuple(part for element in self.expanded() for part in element.parts(value))

@@ -124,13 +124,13 @@ def study_entry(path: Path) -> tuple[str, str]:
 
 
 def _texts(path: Path, *keys: str) -> tuple[str, str]:
-    found = dict.fromkeys(keys, "")
+    texts = dict.fromkeys(keys, "")
     with path.open(encoding="utf-8") as file:
         for line in islice(file, HEAD_LINES):
             key, colon, text = line.partition(":")
-            if colon and key in found:
-                found[key] = _unquoted(text.strip())
-    first, second = found.values()
+            if colon and key in texts:
+                texts[key] = _unquoted(text.strip())
+    first, second = texts.values()
     return first, second
 
 

@@ -265,13 +265,13 @@ class LocatedDocument:
 
         Of a value that fills several lines the key is shown.
         """
-        node, found, home = self.root, 0, self
-        while node is not None and found < len(path) and path[found] in node.entries:
-            node, found = node.entries[path[found]], found + 1
+        node, depth, home = self.root, 0, self
+        while node is not None and depth < len(path) and path[depth] in node.entries:
+            node, depth = node.entries[path[depth]], depth + 1
             home = node.home or home
         if node is None:
             return self.place(Span(0, 0, 0, 1))
-        show_key = on_key or found < len(path) or node.span.end_line > node.span.line
+        show_key = on_key or depth < len(path) or node.span.end_line > node.span.line
         return home.place(node.key if show_key and node.key else node.span)
 
     def place(self, span: Span) -> Position:

@@ -28,9 +28,9 @@ def file_schema(*kinds: type[Declared]) -> Schema:
     schemas: list[dict[str, Any]] = [dict(kind.schema()) for kind in kinds]
     schema: dict[str, Any] = {"$schema": DRAFT, **schemas[0], "title": f"torsionnet {kinds[0].kind}"}
     if len(kinds) > 1:
-        schema["properties"] = {key: value for one in reversed(schemas) for key, value in one["properties"].items()}
-        schema["required"] = [key for key in schemas[0]["required"] if all(key in one["required"] for one in schemas)]
-        schema["oneOf"] = [_required_entries(one, schema["required"]) for one in schemas]
+        schema["properties"] = {key: value for each in reversed(schemas) for key, value in each["properties"].items()}
+        schema["required"] = [key for key in schemas[0]["required"] if all(key in each["required"] for each in schemas)]
+        schema["oneOf"] = [_required_entries(kind_schema, schema["required"]) for kind_schema in schemas]
         schema.pop("anyOf", None)
     definitions: Schema = {"scalar": SCALAR}
     for kind in reversed(kinds):

@@ -42,11 +42,11 @@ LONGEST_MESSAGE = 600
 
 def located_faults(faults: Iterable[Fault], document: LocatedDocument) -> list[Fault]:
     """Faults with their positions, in the order of the file, each cause once and each message one printable line."""
-    found = [fault if fault.position else _place(_reworded(fault, document), document) for fault in faults]
+    placed = [fault if fault.position else _place(_reworded(fault, document), document) for fault in faults]
     # That a key is missing which is only misspelt follows from that.
-    meant = {(fault.path[:-1], fault.meant) for fault in found if fault.kind == "unknown-entry" and fault.meant}
+    meant = {(fault.path[:-1], fault.meant) for fault in placed if fault.kind == "unknown-entry" and fault.meant}
     return presentable_faults(
-        fault for fault in found if fault.kind != "missing-entry" or (_parent(fault), fault.about) not in meant
+        fault for fault in placed if fault.kind != "missing-entry" or (_parent(fault), fault.about) not in meant
     )
 
 
@@ -145,11 +145,11 @@ def check_partial_model(definition: Definition, document: LocatedDocument, fault
     lost: set[str] = set()
     if has_errors(faults) or document.dropped:
         lost = set(_lost_words(document, [fault.path for fault in faults if fault.severity == "error"]))
-        found = list(_sound_checks(definition))
+        findings = list(_sound_checks(definition))
     else:
-        found = check_definition(definition)
+        findings = check_definition(definition)
     # A node inside an element is named after it: engine.ring, shaft.1; and what a part holds after its use.
-    told = (fault for fault in found if lost.isdisjoint([fault.about, *fault.about.split(".")]))
+    told = (fault for fault in findings if lost.isdisjoint([fault.about, *fault.about.split(".")]))
     return [*faults, *(_with_hint(fault, lost) for fault in told)]
 
 
@@ -170,8 +170,8 @@ def _sound_checks(definition: Definition) -> Iterator[Fault]:
     yield from values.wrong_dimensions(definition)
     yield from values.parameter_dimensions(definition)
     yield from values.passive_tables(definition)
-    known, found = resolve(definition.parameters)
-    yield from found
+    known, wrong = resolve(definition.parameters)
+    yield from wrong
     yield from values.impossible_sizes(definition, known)
 
 
@@ -206,16 +206,16 @@ Further: TypeAlias = Callable[[Definition], Iterable[Fault]]
 
 def read_file(path: str | os.PathLike[str], further: Further | None = None) -> tuple[Definition | None, list[Fault]]:
     """Definition of a model from its file, None if it has errors, and all faults in the order of the file."""
-    found = find_model(path)
+    file = find_model(path)
     try:
-        raw = found.read_bytes()
+        raw = file.read_bytes()
     except OSError as error:
-        raise unreadable_file(found, error) from None
+        raise unreadable_file(file, error) from None
     try:
-        text = decode(raw, str(found))
+        text = decode(raw, str(file))
     except ModelError as error:
         return None, list(error.faults)
-    return read_text(text, str(found), found.parent, further)
+    return read_text(text, str(file), file.parent, further)
 
 
 @gc_paused()
@@ -250,8 +250,8 @@ def read_text(
             from torsionnet.model.parts.authored_model import at_written_places
 
             faults = at_written_places(definition, faults)
-    found = located_faults([*document.faults, *faults], document)
-    return (None if has_errors(found) else definition), found
+    located = located_faults([*document.faults, *faults], document)
+    return (None if has_errors(located) else definition), located
 
 
 def _no_model(document: LocatedDocument) -> Fault:

@@ -132,8 +132,8 @@ def changed_text(
     """
     wanted = changed_definition(definition, changes)
     edited = _edited(text, definition, changes, file)
-    found = None if edited is None else read_text(edited, file, folder)[0]
-    if edited is None or found is None or found.to_data() != wanted.to_data():
+    reread = None if edited is None else read_text(edited, file, folder)[0]
+    if edited is None or reread is None or reread.to_data() != wanted.to_data():
         return dump(wanted)
     return edited
 

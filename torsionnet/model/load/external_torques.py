@@ -37,19 +37,19 @@ def drivers(definition: Definition, load: Load) -> dict[Input, float]:
     """
     shares = dict(load.driven_by)
     if not shares:
-        engines = [name for name, one in definition.excitations.items() if one.kind == ENGINE]
+        engines = [name for name, excitation in definition.excitations.items() if excitation.kind == ENGINE]
         if len(engines) != 1:
             raise UsageError("say who drives: driven_by: {node: 1}, or the name of an excitation", kind="missing-entry")
         shares = {engines[0]: 1.0}
-    found: dict[Input, float] = {}
+    by_place: dict[Input, float] = {}
     for name, share in shares.items():
         places = [reacting(definition, name)]
         if name in definition.excitations:
             excitation = definition.excitations[name]
             places = [Input("torque", node, excitation.reaction_node) for _, node in excitation.node_entries]
         for place in places:
-            found[place] = found.get(place, 0.0) + share / len(places)
-    return found
+            by_place[place] = by_place.get(place, 0.0) + share / len(places)
+    return by_place
 
 
 def reacting(definition: Definition, text: str) -> Input:
@@ -60,21 +60,21 @@ def reacting(definition: Definition, text: str) -> Input:
     place = torque_place(text)
     if parse_pair(text) is not None:
         return place
-    found = {
-        one.reaction_node
-        for one in definition.excitations.values()
-        if one.quantity == "torque" and place.of in one.nodes and one.reaction_node is not None
+    reactions = {
+        excitation.reaction_node
+        for excitation in definition.excitations.values()
+        if excitation.quantity == "torque" and place.of in excitation.nodes and excitation.reaction_node is not None
     }
-    return Input("torque", place.of, *found) if len(found) == 1 else place
+    return Input("torque", place.of, *reactions) if len(reactions) == 1 else place
 
 
 def on_nodes(acting: Iterable[tuple[Input, float]]) -> dict[str, float]:
     """Torque in N m by node, from torques that act on a node or between two nodes."""
-    found: dict[str, float] = {}
+    torques: dict[str, float] = {}
     for place, torque in acting:
         for node, share in place.row.items():
-            found[node] = found.get(node, 0.0) + share * torque
-    return found
+            torques[node] = torques.get(node, 0.0) + share * torque
+    return torques
 
 
 def unknown_driver(definition: Definition, name: str, path: EntryPath) -> Fault | None:
@@ -160,10 +160,10 @@ class ExternalTorques:
         UsageError
             Nothing says it.
         """
-        found = self.mean_speeds.get(self.reference) or self.rated_speed
-        if not found:
+        speed = self.mean_speeds.get(self.reference) or self.rated_speed
+        if not speed:
             raise UsageError(NEEDS_RATED, kind="missing-entry")
-        return float(found)
+        return float(speed)
 
     def _rated_of_absorber(self) -> float | None:
         """Speed in rad/s of the reference node at which the first absorber with a rated speed runs at that speed."""
@@ -177,7 +177,7 @@ class ExternalTorques:
     def absorbers(self) -> dict[Input, Absorber]:
         """Absorbers of the load by the place where their torque acts."""
         load = self.definition.load
-        return {reacting(self.definition, place): one for place, one in load.by_place.items()} if load else {}
+        return {reacting(self.definition, place): absorber for place, absorber in load.by_place.items()} if load else {}
 
     @cached_property
     def at_operating_point(self) -> dict[str, float]:
@@ -208,9 +208,9 @@ class ExternalTorques:
     def rows(self, speed: float) -> tuple[int, ...]:
         """Numbers of the rows at which the tables of the load's absorbers stand at a speed in rad/s."""
         return tuple(
-            bisect_right([pair[0] for pair in one.over_speed], abs(self._relative(place) or 0.0) * speed)
-            for place, one in self.absorbers.items()
-            if one.over_speed
+            bisect_right([pair[0] for pair in absorber.over_speed], abs(self._relative(place) or 0.0) * speed)
+            for place, absorber in self.absorbers.items()
+            if absorber.over_speed
         )
 
     def in_condition(self, speeds: Sequence[float]) -> list[dict[str, float]]:
@@ -249,7 +249,8 @@ class ExternalTorques:
         (now,), before = self.in_condition([speed]), self.at(speed)
         # Power that drives: torques in the sense of their rotation.
         given = [
-            sum(max(torque * self.ratios.get(node, 0.0), 0.0) for node, torque in one.items()) for one in (now, before)
+            sum(max(torque * self.ratios.get(node, 0.0), 0.0) for node, torque in torques.items())
+            for torques in (now, before)
         ]
         return given[0] / given[1] if given[1] else 1.0
 

@@ -44,7 +44,7 @@ class TableOverSpeed(Plural[tuple[tuple[float, float], ...]]):
         if not isinstance(raw, Mapping) or len(raw) < 2:
             text = f"expected two speeds or more, each with {self.of.description}: {self.example}; {got(raw)}"
             return (), [Fault(text, kind="wrong-form")]
-        found: dict[float, float] = {}
+        table: dict[float, float] = {}
         faults: list[Fault] = []
         for key, value in raw.items():
             try:
@@ -52,12 +52,12 @@ class TableOverSpeed(Plural[tuple[tuple[float, float], ...]]):
             except EntryError as error:
                 faults.append(replace(error.fault, path=(key,), on_key=True))
                 continue
-            if speed in found:
+            if speed in table:
                 faults.append(Fault(f"the speed {key} stands twice", (key,), on_key=True, kind="repeated-name"))
             there, wrong = self.of.read(value)
             faults += [fault.under(key) for fault in wrong]
-            found[speed] = cast("float", there)
-        return tuple(sorted(found.items())) if not faults else (), faults
+            table[speed] = cast("float", there)
+        return tuple(sorted(table.items())) if not faults else (), faults
 
     @property
     def example(self) -> str:
@@ -276,7 +276,7 @@ class Load(Absorber):
         >>> Load(absorbed_at="rotor", power="4 MW", torque_exponent=0).at_share(0.15).power
         600000.0
         """
-        absorbers = {place: _at_share(one, share) for place, one in (self.absorbers or {}).items()}
+        absorbers = {place: _at_share(absorber, share) for place, absorber in (self.absorbers or {}).items()}
         return _at_share(self, share).unchecked(absorbers=absorbers)
 
     @property

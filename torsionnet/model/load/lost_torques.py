@@ -21,18 +21,18 @@ FloatArray = NDArray[np.float64]
 def has_lost_cylinders(definition: Definition) -> bool:
     """Whether a piston machine that runs has a cylinder without injection or without gas torque."""
     machines = definition.excitations.values()
-    return any(one.enabled and one.has_lost_cylinder for one in machines)
+    return any(machine.enabled and machine.has_lost_cylinder for machine in machines)
 
 
 def has_lost_torque(definition: Definition) -> bool:
     """Whether a piston machine that runs has a cylinder that gives less torque by misfire, in part or whole."""
     machines = definition.excitations.values()
-    return any(one.enabled and one.has_lost_torque for one in machines)
+    return any(machine.enabled and machine.has_lost_torque for machine in machines)
 
 
 def with_all_working(definition: Definition) -> Definition:
     """Definition of the same model in which no piston machine has lost a cylinder."""
-    machines = {name: one.all_working() for name, one in definition.excitations.items()}
+    machines = {name: machine.all_working() for name, machine in definition.excitations.items()}
     return replace(definition, excitations=machines)
 
 
@@ -58,8 +58,10 @@ def remaining_by_node(
     drivers, absorbers : iterable of Input
         Places of the load.
     """
-    machines = {name: one for name, one in definition.excitations.items() if one.numbers and one.enabled}
-    found: dict[str, FloatArray] = {}
+    machines = {
+        name: machine for name, machine in definition.excitations.items() if machine.numbers and machine.enabled
+    }
+    remaining: dict[str, FloatArray] = {}
     for name, machine in machines.items():
         if not machine.has_lost_torque:
             continue
@@ -69,10 +71,12 @@ def remaining_by_node(
         shares = machine.mean_torque_shares(ratio * speeds)
         places = {place.of for place in (absorbers if machine.absorbs else drivers)}
         own = {*machine.numbers.values()}
-        others = {node for other, one in machines.items() if other != name for node in one.numbers.values()}
+        others = {node for other, neighbour in machines.items() if other != name for node in neighbour.numbers.values()}
         if own <= places:
             for node in own:
-                found[node] = np.mean([shares[number] for number, at in machine.numbers.items() if at == node], axis=0)
+                remaining[node] = np.mean(
+                    [shares[number] for number, at in machine.numbers.items() if at == node], axis=0
+                )
         elif len(places - others) == 1:
-            found[(places - others).pop()] = np.mean([*shares.values()], axis=0)
-    return found
+            remaining[(places - others).pop()] = np.mean([*shares.values()], axis=0)
+    return remaining

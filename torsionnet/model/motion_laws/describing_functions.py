@@ -108,7 +108,7 @@ def slider_stiffness_over(stiffness: float, torque: float, amplitude: FloatArray
 
 def _pushes_only(curve: PieceCurve) -> bool:
     """Whether a contact has damping, so that it leaves before its twist has gone back."""
-    return any(isinstance(one, Slope) and one.side and one.damping for one in curve.pieces)
+    return any(isinstance(piece, Slope) and piece.side and piece.damping for piece in curve.pieces)
 
 
 def _of_cubic(curve: CubicCurve, a: Any, m: Any) -> tuple[Any, Any]:
@@ -120,7 +120,7 @@ def _of_cubic(curve: CubicCurve, a: Any, m: Any) -> tuple[Any, Any]:
 def _of_pieces(curve: PieceCurve, a: Any, m: Any, omega: Any) -> tuple[Any, Any]:
     """Mean torque and stiffness as a sum over the corners of a curve, from its first straight piece on."""
     over_twist = curve.over == "twist"
-    slopes = [one for one in curve.pieces if isinstance(one, Slope)]
+    slopes = [piece for piece in curve.pieces if isinstance(piece, Slope)]
     first = slopes[0]
     k = float(first.stiffness if over_twist else first.damping)
     torque = float(first.torque) + k * m
@@ -146,8 +146,8 @@ def _of_pieces(curve: PieceCurve, a: Any, m: Any, omega: Any) -> tuple[Any, Any]
 
 def _of_contacts(curve: PieceCurve, a: Any, m: Any, omega: Any) -> tuple[Any, Any]:
     """Mean torque and stiffness of contacts on either side of a gap, in which nothing acts."""
-    both = [_of_contact(one, a, m, omega) for one in curve.pieces if isinstance(one, Slope) and one.side]
-    return sum(one[0] for one in both), sum(one[1] for one in both)
+    both = [_of_contact(piece, a, m, omega) for piece in curve.pieces if isinstance(piece, Slope) and piece.side]
+    return sum(contact[0] for contact in both), sum(contact[1] for contact in both)
 
 
 def _of_contact(piece: Slope, a: Any, m: Any, omega: Any) -> tuple[Any, Any]:
@@ -189,4 +189,4 @@ def _by_quadrature(curve: TorqueCurve, a: float, m: float, omega: float) -> Desc
 
 def has_steps(curve: TorqueCurve) -> bool:
     """Whether a curve stands still at a step: friction that sticks, or springs with a preload."""
-    return isinstance(curve, PieceCurve) and any(isinstance(one, Hold) for one in curve.pieces)
+    return isinstance(curve, PieceCurve) and any(isinstance(piece, Hold) for piece in curve.pieces)

@@ -57,8 +57,8 @@ def element_stiffness(
     torque, stiffness = 0.0, 0j
     for part in parts:
         if isinstance(part, MotionLaw) and part.row == row and not part.lag and not part.sensed:
-            one = describing_function(part.curve, amplitude, mean_twist, omega).scaled(float(part.scale))
-            torque, stiffness = torque + one.mean_torque, stiffness + one.stiffness
+            describing = describing_function(part.curve, amplitude, mean_twist, omega).scaled(float(part.scale))
+            torque, stiffness = torque + describing.mean_torque, stiffness + describing.stiffness
         elif isinstance(part, Law) and part.row == row and part.table is None:
             k, c = float(part.stiffness), float(part.damping)
             torque, stiffness = torque + k * mean_twist, stiffness + complex(k, k * float(part.loss_factor) + omega * c)
@@ -89,16 +89,16 @@ def stiffness_over_twists(
         raise UsageError(f"{element.name}: {text}; evaluate its slow loops", kind="unsupported-law")
     if element.kind == "friction" and getattr(element, "stiffness", None) is not None:
         return slider_stiffness_over(*slider_of(element, parts), amplitudes)
-    found = np.zeros(len(amplitudes), dtype=complex)
+    stiffness = np.zeros(len(amplitudes), dtype=complex)
     for part in parts:
         if isinstance(part, MotionLaw) and part.row == row and not part.lag and not part.sensed:
-            found = found + float(part.scale) * stiffness_over(part.curve, amplitudes, mean_twists, omega)
+            stiffness = stiffness + float(part.scale) * stiffness_over(part.curve, amplitudes, mean_twists, omega)
         elif isinstance(part, Law) and part.row == row and part.table is None:
             k = float(part.stiffness)
-            found = found + k * (1 + 1j * float(part.loss_factor)) + 1j * omega * float(part.damping)
+            stiffness = stiffness + k * (1 + 1j * float(part.loss_factor)) + 1j * omega * float(part.damping)
         elif not (isinstance(part, Law) and part.row != row):
             raise UsageError(f"{element.name} has no describing function over its twist", kind="unsupported-law")
-    return found
+    return stiffness
 
 
 def slider_of(element: Element, parts: Any) -> tuple[float, float]:

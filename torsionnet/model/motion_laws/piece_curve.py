@@ -103,14 +103,14 @@ class PieceCurve(TorqueCurve):
         at = twist if self.over == "twist" else rate
         if self.rest is not None and at == 0:
             return self.rest
-        found = 0
+        in_force = 0
         for number, piece in enumerate(self.pieces):
             if isinstance(piece, Hold):
                 if at == piece.at:
                     return number
             elif piece.lower is None or not at < piece.lower:
-                found = number
-        return found
+                in_force = number
+        return in_force
 
     def slope_at(self, state: MotionState) -> Slope:
         """Straight piece in force at a state, at a step that above it."""
@@ -134,7 +134,7 @@ class PieceCurve(TorqueCurve):
         total = 0 * twist
         for place, piece in enumerate(self.pieces):
             if isinstance(piece, Slope):
-                first, last = (one in (place, None) for one in self._outer_slopes())
+                first, last = (outer in (place, None) for outer in self._outer_slopes())
                 start = low if first or piece.lower is None or piece.lower < low else piece.lower
                 end = high if last or piece.upper is None or piece.upper > high else piece.upper
                 if start < end:
@@ -162,7 +162,7 @@ class PieceCurve(TorqueCurve):
         return lower, upper
 
     def corners(self) -> tuple[Any, ...]:
-        ends = (one.at if isinstance(one, Hold) else one.upper for one in self.pieces)
+        ends = (piece.at if isinstance(piece, Hold) else piece.upper for piece in self.pieces)
         return tuple(dict.fromkeys(end for end in ends if end is not None))
 
     def states_at(self, torque: Any) -> tuple[MotionState, ...]:
@@ -171,7 +171,7 @@ class PieceCurve(TorqueCurve):
         Of a level piece it is the point next to zero, at a corner that of the piece above, at the end of a step the
         step, which a torque has to exceed. No state lies beyond an end of the curve.
         """
-        found: list[MotionState] = []
+        states: list[MotionState] = []
         reach, level_before = None, False
         for number, piece in enumerate(self.pieces):
             ends = self._places_on(piece, torque)
@@ -181,14 +181,16 @@ class PieceCurve(TorqueCurve):
             level = lower is None or upper is None or lower < upper
             # Neighbours meet at a corner and give the torque both: it is one state.
             if reach is not None and lower is not None and not reach < lower:
-                before = self.pieces[found[-1].piece or 0]
+                before = self.pieces[states[-1].piece or 0]
                 if isinstance(before, Hold) or (level_before and not level and not isinstance(piece, Hold)):
                     continue
-                found.pop()
+                states.pop()
             at = float(lower if lower is not None and lower > 0 else upper if upper is not None and upper < 0 else 0)
-            found.append(MotionState(at, 0.0, (), number) if self.over == "twist" else MotionState(0.0, at, (), number))
+            states.append(
+                MotionState(at, 0.0, (), number) if self.over == "twist" else MotionState(0.0, at, (), number)
+            )
             reach, level_before = upper, level
-        return tuple(found)
+        return tuple(states)
 
     def _places_on(self, piece: Slope | Hold, torque: Any) -> tuple[Any, Any] | None:
         """Twists or rates from and to which a piece gives a torque, None where it does not."""
@@ -213,7 +215,7 @@ class PieceCurve(TorqueCurve):
         """
 
         def moved(piece: Slope | Hold) -> Slope | Hold:
-            exact = {key: number(one) for key, one in vars(piece).items() if isinstance(one, Fraction)}
+            exact = {key: number(fraction) for key, fraction in vars(piece).items() if isinstance(fraction, Fraction)}
             return replace(piece, **exact)
 
         return replace(self, pieces=tuple(moved(piece) for piece in self.pieces))
@@ -290,12 +292,12 @@ def clutch_curve(rows: NumberRows, stick: Any = None) -> PieceCurve:
 
 def _slopes(rows: NumberRows) -> tuple[Slope, ...]:
     """Straight pieces over the slip between rows [slip speed, torque]."""
-    found = []
+    slopes = []
     for (start, low), (end, high) in pairwise(rows):
         slope = (high - low) / (end - start)
         # The torque of a piece is that of its line at slip 0.
-        found.append(Slope(low - slope * start, 0, slope, start, end))
-    return tuple(found)
+        slopes.append(Slope(low - slope * start, 0, slope, start, end))
+    return tuple(slopes)
 
 
 # Torque curves over twist: springs in stages with preload, rows of twist and torque, and clearances.

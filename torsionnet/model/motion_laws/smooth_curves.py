@@ -62,7 +62,7 @@ class PowerCurve(TorqueCurve):
 
     def states_at(self, torque: Any) -> tuple[MotionState, ...] | None:
         """State in which the load takes a torque in N m; None of a torque that does not follow the speed."""
-        there, speed, exponent, wanted = (float(one) for one in (self.size, self.speed, self.exponent, torque))
+        there, speed, exponent, wanted = (float(number) for number in (self.size, self.speed, self.exponent, torque))
         if exponent == 0 or there == 0:
             return None
         if wanted == 0:
@@ -250,7 +250,7 @@ class KlossCurve(TorqueCurve):
 
         At the breakdown torque they are one, beyond it there is none, and without torque there is that without slip.
         """
-        breakdown, speed, wanted = (float(one) for one in (self.breakdown_slip, self.synchronous_speed, torque))
+        breakdown, speed, wanted = (float(number) for number in (self.breakdown_slip, self.synchronous_speed, torque))
         if wanted == 0:
             return (MotionState(rate=speed),)
         # Kloss: s/s_k + s_k/s = 2 T_k/T with the driving torque T, so that s = s_k (m +- sqrt(m^2 - 1)), m = T_k/T.
@@ -312,7 +312,7 @@ class LoadAngleCurve(TorqueCurve):
         """
         import numpy as np
 
-        field, saliency, wanted = (float(one) for one in (self.field_torque, self.reluctance_torque, torque))
+        field, saliency, wanted = (float(number) for number in (self.field_torque, self.reluctance_torque, torque))
         # T_e sin(delta) + T_r sin(2 delta) = T times 2j z^2, as sin(delta) = (z - 1/z)/2j.
         coefficients = np.array([saliency, field, -2j * wanted, -field, -saliency])  # of z = e^(j delta)
         if saliency == 0:
@@ -320,11 +320,11 @@ class LoadAngleCurve(TorqueCurve):
         roots = [complex(root) for root in np.roots(coefficients)]
         # Roots off the unit circle are no angles.
         angles = [math.atan2(root.imag, root.real) for root in roots if abs(abs(root) - 1) < ON_CIRCLE]
-        found: list[float] = []
+        distinct: list[float] = []
         for angle in sorted(self._refined(angle, field, saliency, wanted) for angle in angles):
-            if not found or angle - found[-1] > ON_CIRCLE:  # at the pull-out torque two are one
-                found.append(angle)
-        return tuple(MotionState(twist=angle / float(self.pole_pairs)) for angle in found)
+            if not distinct or angle - distinct[-1] > ON_CIRCLE:  # at the pull-out torque two are one
+                distinct.append(angle)
+        return tuple(MotionState(twist=angle / float(self.pole_pairs)) for angle in distinct)
 
     @staticmethod
     def _refined(angle: float, field: float, saliency: float, wanted: float) -> float:

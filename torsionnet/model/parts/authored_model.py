@@ -37,7 +37,7 @@ class AuthoredModel:
         """Definition with parts whose flat form is ``flat``; None if there is none."""
         if _same(flat, self.flat):
             return self.authored
-        whole = {one.name for one in fields(flat)} - {*SECTIONS, "parts", "use", "authored"}
+        whole = {field.name for field in fields(flat)} - {*SECTIONS, "parts", "use", "authored"}
         now: dict[str, Any] = {name: getattr(flat, name) for name in whole}
         now |= {section: self._own(section, flat) for section in SECTIONS}
         changed = replace(self.authored, **now, use=self._uses(flat))
@@ -47,9 +47,9 @@ class AuthoredModel:
 
     def _own(self, section: str, flat: Definition) -> dict[str, Any]:
         """Entries of a section that the author wrote, as they are now, and entries added later, by name."""
-        own, before, now = (getattr(one, section) for one in (self.authored, self.flat, flat))
-        kept = {name: now.get(name, one) for name, one in own.items() if name in now or name not in before}
-        return kept | {name: one for name, one in now.items() if name not in before}
+        own, before, now = (getattr(model, section) for model in (self.authored, self.flat, flat))
+        kept = {name: now.get(name, written) for name, written in own.items() if name in now or name not in before}
+        return kept | {name: later for name, later in now.items() if name not in before}
 
     def _uses(self, flat: Definition) -> Mapping[str, Use]:
         """Uses of parts by name, with changed values of parts given where the part is used."""
@@ -58,9 +58,9 @@ class AuthoredModel:
             before = self.flat.parameters.get(name)
             if before is None or parameter.by is not None or before == parameter or name in self.authored.parameters:
                 continue
-            found = owner(self.authored.use, name)
-            if found is not None:
-                use, index, own = found
+            owning = owner(self.authored.use, name)
+            if owning is not None:
+                use, index, own = owning
                 uses[use] = with_copy_value(uses[use], own, index, parameter.value, self._values(use, own))
         return uses
 
@@ -76,8 +76,8 @@ def owner(uses: Mapping[str, Use], name: str) -> tuple[str, int, str] | None:
     None for a name of the model.
     """
     prefix, _, own = name.partition(".")
-    for use, one in uses.items():
-        prefixes = one.prefixes(use)
+    for use, part_use in uses.items():
+        prefixes = part_use.prefixes(use)
         if prefix in prefixes:
             return use, prefixes.index(prefix), own
     return None
@@ -86,19 +86,19 @@ def owner(uses: Mapping[str, Use], name: str) -> tuple[str, int, str] | None:
 def with_copy_value(use: Use, own: str, index: int, value: Any, before: tuple[Any, ...]) -> Use:
     """Use of a part with another value of a parameter for one of its copies."""
     old = use.parameters.get(own)
-    values = list(old) if isinstance(old, tuple) else [old if old is not None else one for one in before]
+    values = list(old) if isinstance(old, tuple) else [old if old is not None else was for was in before]
     values[index] = value
     alone = use.repeat is None
     return replace(use, parameters={**use.parameters, own: values[0] if alone else tuple(values)})
 
 
-def _same(one: Definition, other: Definition) -> bool:
+def _same(first: Definition, other: Definition) -> bool:
     """Whether all entries of two definitions of a model are the same objects.
 
     Equal contents are compared more slowly.
     """
     return all(
-        getattr(one, entry.name) is getattr(other, entry.name) for entry in fields(one) if entry.name != "authored"
+        getattr(first, entry.name) is getattr(other, entry.name) for entry in fields(first) if entry.name != "authored"
     )
 
 
@@ -119,7 +119,7 @@ def as_written(definition: Definition) -> Definition:
 def part_of(definition: Definition) -> tuple[Part, Mapping[str, Part]]:
     """Part made of a model, and the parts that the model uses itself, by name."""
     written = as_written(definition)
-    return Part(**{one.name: getattr(written, one.name) for one in fields(Part)}), written.parts
+    return Part(**{field.name: getattr(written, field.name) for field in fields(Part)}), written.parts
 
 
 def with_use(
@@ -143,16 +143,16 @@ def with_use(
                 kind="repeated-name",
             )
         )
-    found = [fault.under("use") for fault in faults]
-    return replace(written, parts=parts, use={**written.use, **uses}), found
+    wrong = [fault.under("use") for fault in faults]
+    return replace(written, parts=parts, use={**written.use, **uses}), wrong
 
 
 def _put(parts: dict[str, Part], model: Definition) -> str:
     """Add a model to the parts, and return its name there; an equal part that is there already keeps its name."""
     part, inner = part_of(model)
-    names = {name: _free(parts, name, one) for name, one in inner.items()}
-    for name, one in inner.items():
-        parts[names[name]] = _renamed_uses(one, names)
+    names = {name: _free(parts, name, inner_part) for name, inner_part in inner.items()}
+    for name, inner_part in inner.items():
+        parts[names[name]] = _renamed_uses(inner_part, names)
     part = _renamed_uses(part, names)
     wish = re.sub(r"\W+", "_", model.name, flags=re.ASCII).strip("_").lower()
     name = _free(parts, wish if wish[:1].isalpha() else f"part_{wish}".rstrip("_"), part)
@@ -161,7 +161,7 @@ def _put(parts: dict[str, Part], model: Definition) -> str:
 
 
 def _renamed_uses(part: Part, names: Mapping[str, str]) -> Part:
-    uses: dict[str, Use] = {name: replace(one, part=names.get(one.part, one.part)) for name, one in part.use.items()}
+    uses: dict[str, Use] = {name: replace(use, part=names.get(use.part, use.part)) for name, use in part.use.items()}
     return replace(part, use=uses) if uses else part
 
 
@@ -196,10 +196,10 @@ def place_in_part(definition: Definition, path: EntryPath) -> PlaceInPart:
     uses: tuple[EntryPath, ...] = ()
     prefix = ""
     while name not in getattr(model, section):
-        found = _owner(model, section, name)
-        if found is None:
+        owning = _owner(model, section, name)
+        if owning is None:
             return PlaceInPart((*base, section, *_short(model, section, name), *rest), uses, prefix)
-        use, index, own = found
+        use, index, own = owning
         given = model.use[use].parameters.get(own) if section == "parameters" else None
         if given is not None:
             each = (index,) if isinstance(given, tuple) else ()
@@ -216,8 +216,8 @@ def place_in_part(definition: Definition, path: EntryPath) -> PlaceInPart:
 
 
 def _owner(model: Definition | Part, section: str, name: str) -> tuple[str, int, str] | None:
-    found = owner(model.use, name)
-    return (*found[:2], DEFAULT_AXIS) if found and section == "configurations" and not found[2] else found
+    owning = owner(model.use, name)
+    return (*owning[:2], DEFAULT_AXIS) if owning and section == "configurations" and not owning[2] else owning
 
 
 def _short(model: Definition | Part, section: str, name: str) -> tuple[str]:
@@ -240,11 +240,11 @@ def at_written_places(flat: Definition, faults: Iterable[Fault]) -> list[Fault]:
     """
     if flat.authored is None:
         return list(faults)
-    found: dict[tuple[object, ...], Fault] = {}
+    distinct: dict[tuple[object, ...], Fault] = {}
     for fault in faults:
         told = _in_part(fault, place_in_part(flat.authored.authored, fault.path))
-        found.setdefault((told.message, told.severity, told.configuration, told.path), told)
-    return list(found.values())
+        distinct.setdefault((told.message, told.severity, told.configuration, told.path), told)
+    return list(distinct.values())
 
 
 def _in_part(fault: Fault, place: PlaceInPart) -> Fault:

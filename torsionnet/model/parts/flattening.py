@@ -197,8 +197,8 @@ class _Flattening:
 
     def content(self, owner: Definition | Part, path: EntryPath, within: tuple[str, ...]) -> PartContent:
         """Elements, parameters and other contents of a model or a part with everything it uses."""
-        found = PartContent(**{name: dict(getattr(owner, name)) for name in SECTIONS})
-        _expand(found)
+        content = PartContent(**{name: dict(getattr(owner, name)) for name in SECTIONS})
+        _expand(content)
         for name, use in owner.use.items():
             place = (*path, "use", name)
             if self.is_known(use, place, within):
@@ -206,8 +206,8 @@ class _Flattening:
                 part = self.part(use.part, (*within, use.part))
                 self.uses = outer
                 if self.is_joined(use, place):
-                    self.put(found, name, use, part, place)
-        return found
+                    self.put(content, name, use, part, place)
+        return content
 
     def is_known(self, use: Use, place: EntryPath, within: tuple[str, ...]) -> bool:
         if use.part not in self.parts:
@@ -232,10 +232,10 @@ class _Flattening:
 
     def is_joined(self, use: Use, place: EntryPath) -> bool:
         part = self.parts[use.part]
-        found = [fault.under(*place) for fault in use_faults(use, part.ports, self.done[use.part].parameters)]
+        wrong = [fault.under(*place) for fault in use_faults(use, part.ports, self.done[use.part].parameters)]
         if self.whole and use.part not in self.without_ports:
-            self.tell(*found)
-        return not found and use.part not in self.without_ports
+            self.tell(*wrong)
+        return not wrong and use.part not in self.without_ports
 
     def part(self, name: str, within: tuple[str, ...]) -> PartContent:
         if name not in self.done:
@@ -257,9 +257,9 @@ class _Flattening:
                 self.without_ports.add(name)
                 # A part that is not joined is not read any further, where this would be found.
                 wrong += [
-                    unknown_name("node", one.referred_to, {*nodes, *part.ports}, (*path, "referred_to"), rest=rest)
-                    for path, one in _referred(part, name)
-                    if one.referred_to not in nodes and one.referred_to not in part.ports
+                    unknown_name("node", quoted.referred_to, {*nodes, *part.ports}, (*path, "referred_to"), rest=rest)
+                    for path, quoted in _referred(part, name)
+                    if quoted.referred_to not in nodes and quoted.referred_to not in part.ports
                 ]
             self.tell(*(wrong if self.whole else []))
         return self.done[name]
@@ -291,16 +291,18 @@ class _Flattening:
             {*part.sensors, *part.inputs},
             {name: element.ports for name, element in part.elements.items()},
         )
-        found: dict[str, dict[str, Any]] = {section: {} for section in SECTIONS}
+        renamed: dict[str, dict[str, Any]] = {section: {} for section in SECTIONS}
         for section in SECTIONS:
             for name, value in getattr(part, section).items():
                 own = names.own(name)
                 try:
                     if section == "configurations":
                         axis = copy.name if name == DEFAULT_AXIS else own
-                        found[section][axis] = {label: _overlay(one, names, part) for label, one in value.items()}
+                        renamed[section][axis] = {
+                            label: _overlay(overlay, names, part) for label, overlay in value.items()
+                        }
                     else:
-                        found[section][own] = value.renamed(names)
+                        renamed[section][own] = value.renamed(names)
                 except ModelError as error:
                     paths = [(section, own, *_below(fault.path, section)) for fault in error.faults]
                     self.faults += [replace(fault, path=path) for fault, path in zip(error.faults, paths, strict=True)]
@@ -308,23 +310,23 @@ class _Flattening:
                     self.faults.append(error.fault.under(section, own))
         for name, value in copy.values.items():
             own = names.own(name)
-            found["parameters"][own] = found["parameters"][own].given(value)
-        return found
+            renamed["parameters"][own] = renamed["parameters"][own].given(value)
+        return renamed
 
 
 def _quoting_shafts(content: PartContent) -> Iterator[str]:
     """Names of nodes at whose speed values of a part are quoted, or to which its readings are referred."""
-    for one in (*content.elements.values(), *content.sensors.values()):
-        if one.referred_to is not None:
-            yield one.referred_to
+    for quoted in (*content.elements.values(), *content.sensors.values()):
+        if quoted.referred_to is not None:
+            yield quoted.referred_to
 
 
 def _referred(part: Part, name: str) -> Iterator[tuple[EntryPath, Any]]:
     """Path and object of elements and sensors of a part whose values are quoted at the speed of a shaft."""
     for section in ("elements", "sensors"):
-        for key, one in getattr(part, section).items():
-            if one.referred_to is not None:
-                yield ("parts", name, section, key), one
+        for key, quoted in getattr(part, section).items():
+            if quoted.referred_to is not None:
+                yield ("parts", name, section, key), quoted
 
 
 def _below(path: EntryPath, section: str) -> EntryPath:
@@ -354,7 +356,7 @@ def _expand(content: PartContent) -> None:
         group = element.expanded()
         if group != (element,):
             groups[name] = group
-        elements.update({one.name: one for one in group})
+        elements.update({member.name: member for member in group})
     if groups:
         content.elements = elements
         content.configurations = {
@@ -369,4 +371,4 @@ def _switched(overlay: Overlay, groups: Mapping[str, tuple[Element, ...]]) -> Ov
 
 def _members(names: tuple[str, ...], groups: Mapping[str, tuple[Element, ...]]) -> Iterator[str]:
     for name in names:
-        yield from (one.name for one in groups[name]) if name in groups else (name,)
+        yield from (member.name for member in groups[name]) if name in groups else (name,)

@@ -31,9 +31,9 @@ class PartTable(Named["Part"]):
         if not isinstance(raw, Mapping):
             return super().read(raw)
         table, faults = {}, list(self._name_faults(raw))
-        for name, one in raw.items():
-            part, found = self.of.read(one)
-            faults += [fault.under(name) for fault in found]
+        for name, raw_part in raw.items():
+            part, wrong = self.of.read(raw_part)
+            faults += [fault.under(name) for fault in wrong]
             if part is not None and not single_name_fault(str(name)):
                 table[str(name)] = part
         return table, faults

@@ -29,7 +29,7 @@ class OneOrEach(Spec[Stored_co | tuple[Stored_co, ...]]):
 
     def renamed(self, value: Any, names: Renaming) -> Any:
         if isinstance(value, tuple):
-            return tuple(self.of.renamed(one, names) for one in value)
+            return tuple(self.of.renamed(each, names) for each in value)
         return self.of.renamed(value, names)
 
     def coerce(self, raw: object) -> Any:
@@ -41,11 +41,11 @@ class OneOrEach(Spec[Stored_co | tuple[Stored_co, ...]]):
         return values
 
     def plain(self, value: Any) -> Json:
-        return [self.of.plain(one) for one in value] if isinstance(value, tuple) else self.of.plain(value)
+        return [self.of.plain(each) for each in value] if isinstance(value, tuple) else self.of.plain(value)
 
     def schema(self) -> Schema:
-        one = {key: value for key, value in self.of.schema().items() if key != "description"}
-        return {"anyOf": [one, {"type": "array", "items": one}], "description": self.description}
+        single = {key: value for key, value in self.of.schema().items() if key != "description"}
+        return {"anyOf": [single, {"type": "array", "items": single}], "description": self.description}
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -82,17 +82,17 @@ class FactorDecision:
 
     def notes(self) -> list[str]:
         """Sentences on the readings that were decided, and why."""
-        frequencies = ", ".join(_hertz(one) for one in self.possible if one.taken != self._taken)
-        chosen = next((_hertz(one) for one in self.possible if one.taken == self._taken), "")
+        frequencies = ", ".join(_hertz(reading) for reading in self.possible if reading.taken != self._taken)
+        chosen = next((_hertz(reading) for reading in self.possible if reading.taken == self._taken), "")
         why = {"place": "it stands before the unit", "option": "as the option says",
                "magnitude": f"the lowest vibration is {chosen}, else {frequencies}"}  # fmt: skip
-        return [f'"{one.factor}" in the heading "{one.heading}" multiplies the '
-                f"{'unit' if one.taken == 'unit' else 'values of the quantity'}, so that cells times "
-                f"{factor_text(one.scale)} are taken: {why[one.by]}" for one in self.readings]  # fmt: skip
+        return [f'"{reading.factor}" in the heading "{reading.heading}" multiplies the '
+                f"{'unit' if reading.taken == 'unit' else 'values of the quantity'}, so that cells times "
+                f"{factor_text(reading.scale)} are taken: {why[reading.by]}" for reading in self.readings]  # fmt: skip
 
     @property
     def _taken(self) -> tuple[str, ...]:
-        return tuple(one.taken for one in self.readings)
+        return tuple(reading.taken for reading in self.readings)
 
 
 def decide_factors(
@@ -104,12 +104,14 @@ def decide_factors(
     vibration is usual, where that of every other is impossible. ``rows_of`` reads the rows, all values referred to one
     speed.
     """
-    factored = [one for one in columns.all if one.meaning and one.factor is not None and one.unit is not None]
+    factored = [
+        column for column in columns.all if column.meaning and column.factor is not None and column.unit is not None
+    ]
     if not factored:
         return FactorDecision(columns)
-    places = [one.place for one in factored]
-    usual = [("unit",) if one.factor and one.factor.before_unit else (option,) if option else READINGS
-             for one in factored]  # fmt: skip
+    places = [column.place for column in factored]
+    usual = [("unit",) if column.factor and column.factor.before_unit else (option,) if option else READINGS
+             for column in factored]  # fmt: skip
     is_certain = all(len(choices) == 1 for choices in usual)
     possible: tuple[PossibleReading, ...] = ()
     # Each combination of readings makes another plant, with a lowest vibration of its own.
@@ -119,17 +121,23 @@ def decide_factors(
             PossibleReading(taken, lowest_vibration(rows_of(columns.read_as(dict(zip(places, taken, strict=True))))))
             for taken in combinations
         )
-    among = [one for one in possible if all(taken in choices for taken, choices in zip(one.taken, usual, strict=True))]
-    chosen = next((one.taken for one in among if one.is_usual), None)
+    among = [
+        reading
+        for reading in possible
+        if all(taken in choices for taken, choices in zip(reading.taken, usual, strict=True))
+    ]
+    chosen = next((reading.taken for reading in among if reading.is_usual), None)
     if is_certain:
         chosen = tuple(choices[0] for choices in usual)
-        is_open = any(one.is_impossible for one in among) and any(one.is_usual for one in possible)
+        is_open = any(reading.is_impossible for reading in among) and any(reading.is_usual for reading in possible)
     else:
-        is_open = chosen is None or not all(one.is_impossible for one in among if one.taken != chosen)
+        is_open = chosen is None or not all(reading.is_impossible for reading in among if reading.taken != chosen)
     if is_open or chosen is None:
-        asked = [one for one, choices in zip(factored, usual, strict=True) if is_certain or len(choices) > 1]
-        return FactorDecision(columns, (), possible, tuple(_question(one, factored, possible, grid) for one in asked))
-    readings = tuple(_reading(one, taken, option) for one, taken in zip(factored, chosen, strict=True))
+        asked = [column for column, choices in zip(factored, usual, strict=True) if is_certain or len(choices) > 1]
+        return FactorDecision(
+            columns, (), possible, tuple(_question(column, factored, possible, grid) for column in asked)
+        )
+    readings = tuple(_reading(column, taken, option) for column, taken in zip(factored, chosen, strict=True))
     return FactorDecision(columns.read_as(dict(zip(places, chosen, strict=True))), readings, possible)
 
 
@@ -147,8 +155,8 @@ def _question(
     assert factor is not None
     scales = [factor_text(factor.scale(reading)) for reading in READINGS]
     headings = " or ".join(f"[{scale} {column.unit_text}]" for scale in scales)
-    tried = "; ".join(f"{', '.join(one.taken)}: {_hertz(one)}" for one in possible)
-    several = "" if len(factored) == 1 else f" (readings of {', '.join(one.heading for one in factored)})"
+    tried = "; ".join(f"{', '.join(reading.taken)}: {_hertz(reading)}" for reading in possible)
+    several = "" if len(factored) == 1 else f" (readings of {', '.join(column.heading for column in factored)})"
     text = (
         f'"{factor.text}" in the heading "{column.heading}" may multiply the unit or the values: a cell times '
         f"{scales[0]} or times {scales[1]} is in {column.unit_text}; give the unit as {headings}, or choose by the "

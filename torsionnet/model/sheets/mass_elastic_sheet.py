@@ -35,6 +35,7 @@ _OF_VALUES = re.compile(
     r"|werte?|\w*trägheit\w*|drehmasse\w*|\w*steifigkeit\w*|nachgiebigkeit\w*)\b", re.IGNORECASE)  # fmt: skip
 _DISC = re.compile(r"(?<![^\W_])(?:[GP]\s?D)\s?\^?\s?[2²]", re.IGNORECASE)
 _SPEED_WORDS = {"speed", "drehzahl", "shaft", "welle", "side", "rpm", "ratio", "one", "common", "main", "of", "the"}
+_IDLE = "was not understood and is left out"
 _UNKNOWN_SIDE = (
     "may say that values are referred to one speed, or something else; say which: all values are real, or values are "
     "referred to the crank; or choose by the option values, real or referred"
@@ -91,7 +92,11 @@ def decide_side(columns: SheetColumns, rows: SheetRows, grid: CellGrid, option: 
     faults: list[Fault] = []
     remarks: list[SheetRemark] = []
     unclear: list[Cell] = []
-    said = [one.referred for one in columns.all if one.meaning in ("inertia", "stiffness") and one.referred is not None]
+    said = [
+        column.referred
+        for column in columns.all
+        if column.meaning in ("inertia", "stiffness") and column.referred is not None
+    ]
     texts = _texts(columns, rows, grid)
     for cell in texts:
         side, is_unclear = remark_side(cell.text, names)
@@ -102,7 +107,7 @@ def decide_side(columns: SheetColumns, rows: SheetRows, grid: CellGrid, option: 
     for cell in _free_cells(columns):
         unclear += [cell] if any(remark_side(cell.text, names)) else []
     if not option and _turn_apart(rows.ratios):
-        first = next((one for one in remarks if one.taken), None)
+        first = next((remark for remark in remarks if remark.taken), None)
         if first and len(set(said)) > 1:
             both = "the sheet says of its values that they are referred, and that they are real"
             faults.append(
@@ -113,7 +118,9 @@ def decide_side(columns: SheetColumns, rows: SheetRows, grid: CellGrid, option: 
                 )
             )
         faults += [grid.fault(f'"{cell.text}" {_UNKNOWN_SIDE}', cell, kind="unknown-word") for cell in unclear]
-        headings = [one.cell for one in columns.all if one.referred and one.meaning in ("inertia", "stiffness")]
+        headings = [
+            column.cell for column in columns.all if column.referred and column.meaning in ("inertia", "stiffness")
+        ]
         for cell in (*headings, *(cell for cell in texts if remark_side(cell.text, names)[0])):
             if elsewhere := _turning_elsewhere(referral_target(cell.text), rows):
                 said_to = f'"{cell.text}" refers values to {elsewhere.label}, whose speed ratio is not 1'
@@ -150,7 +157,7 @@ def _texts(columns: SheetColumns, rows: SheetRows, grid: CellGrid) -> list[Cell]
 
 def _free_cells(columns: SheetColumns) -> list[Cell]:
     """Texts in columns that have no meaning, as remarks on masses."""
-    places = [one.place for one in columns.all if not one.meaning]
+    places = [column.place for column in columns.all if not column.meaning]
     cells = [row[place] for row in columns.rows for place in places if place < len(row)]
     return [cell for cell in cells if cell.text and not is_like_number(cell.text)]
 
@@ -301,10 +308,10 @@ def parse_sheet(grid: CellGrid, reading: SheetReading = SheetReading()) -> MassE
 
     def rows_of(readings: SheetColumns) -> SheetRows:
         scaled = SheetValues(grid, readings)
-        found = read_rows(scaled)
+        read = read_rows(scaled)
         if scaled.faults:
             raise ModelError(scaled.faults, grid.file)
-        return found
+        return read
 
     # The readings of factors are judged on values referred to one speed: real ones take the square of the ratio.
     power = 0 if sides.referred else 2
@@ -318,8 +325,8 @@ def parse_sheet(grid: CellGrid, reading: SheetReading = SheetReading()) -> MassE
     notes += [f'row {row[0].line}, "{values.label(row)}", is left out' for row in rows.totals]
     notes += ["each shaft stands in the row of the mass behind it"] * real.is_behind
     notes += map(_gear_note, gears)
-    notes += [f'"{one.heading or f"column {one.place + 1}"}" {one.remark or "was not understood and is left out"}'
-              for one in columns.all if not one.meaning and (not one.remark or not one.heading)]  # fmt: skip
+    idle = [column for column in columns.all if not column.meaning and (not column.remark or not column.heading)]
+    notes += [f'"{column.heading or f"column {column.place + 1}"}" {column.remark or _IDLE}' for column in idle]
     return MassElasticSheet(
         grid.file, real.masses, real.links, factors.columns.all, sides.referred, tuple(notes), factors, gears,
         sides.remarks, reading,

@@ -214,9 +214,9 @@ def meanings_of(words: str, *, loosely: bool = False) -> list[Meaning]:
 
     All words have to be known, unless ``loosely``.
 
-    >>> [meaning.key for meaning in meanings_of("Massenträgheitsmoment")], [one.key for one in meanings_of("Mass")]
+    >>> [m.key for m in meanings_of("Massenträgheitsmoment")], [m.key for m in meanings_of("Mass")]
     (['inertia'], ['name'])
-    >>> meanings_of("Inertia without water"), [one.key for one in meanings_of("Inertia without water", loosely=True)]
+    >>> meanings_of("Inertia without water"), [m.key for m in meanings_of("Inertia without water", loosely=True)]
     ([], ['inertia'])
     """
     plain = heading_side(words)[0]

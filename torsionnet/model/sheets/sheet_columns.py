@@ -97,7 +97,7 @@ class SheetColumns:
 
     def read_as(self, readings: Mapping[int, str]) -> SheetColumns:
         """Columns with the readings, by place, of the factors in their headings."""
-        read = (one.read_as(readings[one.place]) if one.place in readings else one for one in self.all)
+        read = (column.read_as(readings[column.place]) if column.place in readings else column for column in self.all)
         return replace(self, all=tuple(read))
 
 
@@ -132,7 +132,7 @@ def read_columns(grid: CellGrid) -> SheetColumns:
         faults.append(_no_inertia(grid))
     if faults:
         raise ModelError(faults, grid.file)
-    return SheetColumns(tuple(one for one in columns if one.heading or one.remark), rows, grid.rows[:begin])
+    return SheetColumns(tuple(column for column in columns if column.heading or column.remark), rows, grid.rows[:begin])
 
 
 def _heading_rows(grid: CellGrid) -> tuple[int, int]:
@@ -170,7 +170,7 @@ def is_inertia_heading(cell: Cell) -> bool:
 
 
 def _may_be_inertia(cell: Cell) -> bool:
-    return [one.key for one in meanings_of(_words(read_heading(cell.text)), loosely=True)[:1]] == ["inertia"]
+    return [meaning.key for meaning in meanings_of(_words(read_heading(cell.text)), loosely=True)[:1]] == ["inertia"]
 
 
 def _is_quantity(cell: Cell) -> bool:
@@ -221,7 +221,7 @@ def _column(
     place: int, texts: Sequence[Cell], below: Sequence[Cell], faults: list[Fault], grid: CellGrid
 ) -> SheetColumn:
     cell, joined = texts[0], _joined(texts)
-    if len(joined) > MOST_CHARACTERS and any(is_like_number(one.text) for one in below):
+    if len(joined) > MOST_CHARACTERS and any(is_like_number(cell.text) for cell in below):
         faults.append(
             grid.fault(f"the heading is longer than {MOST_CHARACTERS} characters; shorten it", cell, kind="too-large")
         )
@@ -234,7 +234,7 @@ def _column(
     known = meanings_of(words)
     named = "" if unit_text else _text_or_not(known, below)
     dimension = unit.dimension if unit else None
-    fitting = [one for one in known if one.fits(dimension)] if not named else [BY_KEY[named]]
+    fitting = [meaning for meaning in known if meaning.fits(dimension)] if not named else [BY_KEY[named]]
     if unit_text and unit is None:
         if known and known[0].needs_unit:
             faults.append(grid.fault(_bad_unit(unit_text, known[0]), cell, kind="wrong-unit"))
@@ -246,7 +246,7 @@ def _column(
     if not fitting and is_limit(words):
         return replace(blank, remark="a limit, which a model of the shafts does not use")
     if not fitting and (by_unit or (likely and not known and not likely[0].is_text)):
-        if any(is_like_number(one.text) for one in below):
+        if any(is_like_number(cell.text) for cell in below):
             meaning = BY_KEY[by_unit] if by_unit else likely[0]
             bracket = None if unit_text else re.search(r"[(]([^()]*[A-Za-z][^()]*[*·/^²³\d][^()]*)[)]", heading.words)
             fault = _not_understood(unknown_words(words, meaning), meaning, texts, grid)
@@ -320,7 +320,7 @@ def _preferred(fitting: Sequence[Meaning], unit: SheetUnit | None) -> Meaning:
     Relative damping is psi where it has no unit, and viscous where it has one.
     """
     if unit is None or unit.dimension == DIMENSIONS["1"]:
-        return next((one for one in fitting if one.key == "psi"), fitting[0])
+        return next((meaning for meaning in fitting if meaning.key == "psi"), fitting[0])
     return fitting[0]
 
 
@@ -378,13 +378,13 @@ def _without_doubles(columns: Sequence[SheetColumn], faults: list[Fault], grid: 
             continue
         if len(real) == 1:
             referred = {column.place for column in same if column.referred}
-            kept = [replace(one, meaning="", remark="referred; the real values are used") if one.place in referred
-                    else one for one in kept]  # fmt: skip
+            kept = [replace(column, meaning="", remark="referred; the real values are used") if column.place in referred
+                    else column for column in kept]  # fmt: skip
             continue
         if meaning.is_text and meaning.key in ("name", "number"):
             places = {column.place for column in same[1:]}
-            kept = [replace(one, meaning="", remark="the first of these is used") if one.place in places else one
-                    for one in kept]  # fmt: skip
+            remark = "the first of these is used"
+            kept = [replace(column, meaning="", remark=remark) if column.place in places else column for column in kept]
             continue
         text = f'"{same[0].heading}" and "{same[1].heading}" both mean {meaning.shown}'
         faults.append(
@@ -399,6 +399,6 @@ def _misspelt(column: SheetColumn, columns: Sequence[SheetColumn], grid: CellGri
         return
     plain = heading_side(read_heading(column.heading).words)[0]
     near = [word for word in _WORDS if SequenceMatcher(None, plain, word).ratio() >= LEAST_SIMILARITY]
-    if near and _WORDS[near[0]] not in {one.meaning for one in columns}:
+    if near and _WORDS[near[0]] not in {other.meaning for other in columns}:
         yield grid.fault(f'"{column.heading}" is no heading of a mass-elastic sheet; did you mean "{near[0]}"?',
                          column.cell, kind="unknown-entry")  # fmt: skip

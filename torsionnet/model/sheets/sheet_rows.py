@@ -184,7 +184,7 @@ class _Rows:
         return f"mass_{label.text}" if label.text.isdigit() else plain_name(label.text)
 
     def _fault(self, kind: str, text: str, cell: Cell | None, row: Row) -> None:
-        at = cell or self._label(row) or next(one for one in row if one.text)
+        at = cell or self._label(row) or next(filled for filled in row if filled.text)
         self.values.faults.append(self.values.grid.fault(text, at, kind=kind))
 
     def read(self) -> None:
@@ -205,15 +205,15 @@ class _Rows:
                         row,
                     )
                 if not both:
-                    pending = [one for one in pending if one.link is not None]
+                    pending = [begun for begun in pending if begun.link is not None]
                 pending.append(self._link(row, None if both else last))
                 continue
             if not self._is_mass(row) and not self._has_link(row):
                 self.without_values.append(row)
                 continue
             name, ratio = self._mass(row, ratio)
-            for one in pending:
-                one.second = one.second or name
+            for begun in pending:
+                begun.second = begun.second or name
             self.begun += pending
             pending = [self._link(row, name)]
             last = name
@@ -253,11 +253,11 @@ class _Rows:
 
     def _ratio(self, row: Row, before: Fraction) -> Fraction:
         ratio, speed = self.values.of(row, "ratio"), self.values.of(row, "speed")
-        found = ratio or speed
-        if found is None:
+        given = ratio or speed
+        if given is None:
             return before
         cell = self.values.columns.cell(row, "ratio" if ratio else "speed")
-        if not found.si:
+        if not given.si:
             self._fault(
                 "out-of-range",
                 "a mass that does not turn has no speed ratio; expected a number other than 0",
@@ -266,9 +266,9 @@ class _Rows:
             )
             return before
         if ratio:
-            return exact(found.si)
-        self.first_speed = self.first_speed if self.masses else found
-        return _quotient(found, self.first_speed)
+            return exact(given.si)
+        self.first_speed = self.first_speed if self.masses else given
+        return _quotient(given, self.first_speed)
 
     def _link(self, row: Row, first: str | None) -> _Begun:
         """Shaft that a row of the sheet begins; rows of later masses may say which masses it connects."""
@@ -350,12 +350,12 @@ class _Rows:
 
     def _rigid_gear(self, begun: _Begun, first: str, second: str, *, explicit: bool) -> list[SheetLink]:
         """Rigid link between two masses of a sheet without a shaft: a mesh, where their speeds differ; else a fault."""
-        one, other = self.masses.get(first), self.masses.get(second)
-        if one is None or other is None or one.ratio == other.ratio:
+        mass, other = self.masses.get(first), self.masses.get(second)
+        if mass is None or other is None or mass.ratio == other.ratio:
             if self.branched and not explicit:
                 return []
             text = (
-                f'nothing is said of how "{one.label if one else first}" and "{other.label if other else second}" are'
+                f'nothing is said of how "{mass.label if mass else first}" and "{other.label if other else second}" are'
             )
             self._fault(
                 "missing-entry", f"{text} connected; give a stiffness or a compliance, or write rigid", None, begun.row
@@ -394,14 +394,14 @@ class _Rows:
         text = cell.text.casefold()
         if text in _EARTH:
             return GROUND
-        found = [mass.name for mass in self.masses.values() if cell.text in (mass.label, mass.number)]
-        found = found or [mass.name for mass in self.masses.values() if mass.label.casefold() == text]
-        found = found or [mass.name for mass in self.masses.values() if mass.name.casefold() == text]
-        if len(found) == 1:
-            return found[0]
-        kind = "ambiguous-name" if found else "unknown-name"
-        if found:
-            told = f'"{cell.text}" is the name of {len(found)} masses; say which by its number'
+        masses = [mass.name for mass in self.masses.values() if cell.text in (mass.label, mass.number)]
+        masses = masses or [mass.name for mass in self.masses.values() if mass.label.casefold() == text]
+        masses = masses or [mass.name for mass in self.masses.values() if mass.name.casefold() == text]
+        if len(masses) == 1:
+            return masses[0]
+        kind = "ambiguous-name" if masses else "unknown-name"
+        if masses:
+            told = f'"{cell.text}" is the name of {len(masses)} masses; say which by its number'
         else:
             told = f'no mass is named or numbered "{cell.text}"'
             told += did_you_mean(cell.text, [mass.label for mass in self.masses.values()])

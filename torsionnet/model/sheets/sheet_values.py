@@ -118,7 +118,7 @@ class SheetValues:
 
     def _quotient(self, cell: Cell, above: str, below: str) -> SheetValue | None:
         """Ratio of speeds from a cell that is written as 1/4 or 1:4."""
-        parts = [plain_number_text(one, self.decimal) for one in (above, below)]
+        parts = [plain_number_text(text, self.decimal) for text in (above, below)]
         try:
             numbers = [parse_number(part or "") for part in parts]
         except UnitError:
