@@ -123,12 +123,12 @@ def mode_numbers(kinds: Sequence[str]) -> tuple[int | None, ...]:
     >>> mode_numbers(["rigid body", "real pole", "oscillatory", "oscillatory"])
     (None, None, 1, 2)
     """
-    found: list[int | None] = []
+    numbers: list[int | None] = []
     count = 0
     for kind in kinds:
         count += kind == OSCILLATORY
-        found.append(count if kind == OSCILLATORY else None)
-    return tuple(found)
+        numbers.append(count if kind == OSCILLATORY else None)
+    return tuple(numbers)
 
 
 def mode_names(kinds: Sequence[str]) -> tuple[str, ...]:
@@ -164,7 +164,7 @@ def index_of_mode(number: int, kinds: Sequence[str]) -> int:
     numbers = mode_numbers(kinds)
     if number in numbers:
         return numbers.index(number)
-    count = sum(one is not None for one in numbers)
+    count = sum(number is not None for number in numbers)
     have = f"there are {count}, counted" if count else "nothing vibrates; modes are counted"
     raise UsageError(
         f"there is no mode {number}; {have} from 1 without rigid bodies and real poles", kind="unknown-mode"

@@ -71,10 +71,10 @@ def _by_axes(names: Sequence[str], known: Sequence[str]) -> str:
 
 def _alternatives(names: Sequence[str]) -> dict[str, dict[str, None]]:
     """Alternatives that occur in configurations' names, such as misfire, by axis, such as firing, each once."""
-    found: dict[str, dict[str, None]] = {}
+    alternatives: dict[str, dict[str, None]] = {}
     for axis, alternative in (pair for name in names for pair in _choice(name).items()):
-        found.setdefault(axis, {})[alternative] = None
-    return found
+        alternatives.setdefault(axis, {})[alternative] = None
+    return alternatives
 
 
 def _choice(name: str) -> dict[str, str]:
@@ -142,8 +142,8 @@ _COLLECTORS = _Collectors()
 
 
 @contextmanager
-def collected_warnings(found: Counter[str]) -> Iterator[None]:
-    """Context manager that counts the texts of the package's own warnings in ``found``; others are shown as usual.
+def collected_warnings(counts: Counter[str]) -> Iterator[None]:
+    """Context manager that counts the texts of the package's own warnings in ``counts``; others are shown as usual.
 
     >>> texts = Counter()
     >>> with collected_warnings(texts):
@@ -152,7 +152,7 @@ def collected_warnings(found: Counter[str]) -> Iterator[None]:
     Counter({'the response is infinite': 1})
     """
     _COLLECTORS.enter()
-    token = _COLLECTING.set(found)
+    token = _COLLECTING.set(counts)
     try:
         yield
     finally:

@@ -55,7 +55,7 @@ NAMED = ("node", "element", "parameter", "configuration", "part", "port", "chann
 """Things of a model that have a name; that of none of them has the kind of fault "unknown-node" and so on."""
 _KINDS_OF_NAMES = {"sensor": "channel", "input": "channel", "axis": "configuration"}
 """Words for things in messages, by the thing of which their kind of fault is."""
-UNKNOWN_NAMES = frozenset(("unknown-name", *(f"unknown-{one}" for one in NAMED)))
+UNKNOWN_NAMES = frozenset(("unknown-name", *(f"unknown-{named}" for named in NAMED)))
 """Kinds of faults of a name that nothing defines."""
 
 
@@ -128,9 +128,9 @@ class Fault:
         if self.position is None:
             where = printable_text(".".join(str(part) for part in self.path))
             return f"{where}: {said}" if where else said
-        others = [(one, "used here") for one in self.used_at]
+        others = [(position, "used here") for position in self.used_at]
         others += [(self.defined_at, "defined here")] if self.defined_at else []
-        shown = "".join(f"\n{_located(one)}: {what}{_excerpt(one)}" for one, what in others)
+        shown = "".join(f"\n{_located(position)}: {what}{_excerpt(position)}" for position, what in others)
         return f"{_located(self.position)}: {said}{_excerpt(self.position)}{shown}"
 
 
@@ -190,8 +190,8 @@ def readable_text(text: str) -> str:
 _STEERING = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200b-\u200f\u2028-\u202e\u2060-\u2069\ufeff\ud800-\udfff]")
 
 
-def _written_out(found: re.Match[str]) -> str:
-    code = ord(found[0])
+def _written_out(match: re.Match[str]) -> str:
+    code = ord(match[0])
     return f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}"
 
 
@@ -237,8 +237,8 @@ class ModelError(TorsionnetError, ValueError):
 
 def fault_of(what: str | Fault | Exception, kind: str = "") -> Fault:
     """Fault of a message, or of an error of Python, and its kind; or the fault itself, or that of an error."""
-    found = getattr(what, "fault", what)
-    return found if isinstance(found, Fault) else Fault(str(what), kind=kind)
+    fault = getattr(what, "fault", what)
+    return fault if isinstance(fault, Fault) else Fault(str(what), kind=kind)
 
 
 def message_of(error: Exception) -> str:
@@ -465,10 +465,12 @@ def remedy(argument: str, value: str | Mapping[str, str] = "") -> str:
 
         return f"{argument}{value if isinstance(value, str) else json.dumps(dict(value), ensure_ascii=False)}"
     if VALUE in name:
-        entries = value if isinstance(value, str) else f"{{{', '.join(f'{key}: {one}' for key, one in value.items())}}}"
+        entries = (
+            value if isinstance(value, str) else f"{{{', '.join(f'{key}: {word}' for key, word in value.items())}}}"
+        )
         return name.replace(VALUE, entries or "...")
     values = [value] if isinstance(value, str) else [f"{key}={word}" for key, word in value.items()]
-    return " ".join(f"{name} {one}".strip() for one in values)
+    return " ".join(f"{name} {word}".strip() for word in values)
 
 
 @contextlib.contextmanager

@@ -117,17 +117,17 @@ class _Reader:
             raise self.unreadable(f'"{self.source[good.end()]}" is not allowed in an expression', good.end())
         operand = False
         for piece in _PIECE.finditer(self.source):
-            kind, found, start = piece.lastgroup, piece[0], piece.start()
+            kind, text, start = piece.lastgroup, piece[0], piece.start()
             if kind and operand:
-                raise self.unreadable(f'an operator is missing before "{found}"; a product is written with *', start)
-            reason = check_name(found) if kind == "name" and found not in ("pi", "sqrt") else None
+                raise self.unreadable(f'an operator is missing before "{text}"; a product is written with *', start)
+            reason = check_name(text) if kind == "name" and text not in ("pi", "sqrt") else None
             if reason:
                 raise self.unreadable(reason, start)
             if kind == "number":
-                self.number(found, start)
-            if found == ".":
+                self.number(text, start)
+            if text == ".":
                 raise self.unreadable('"." stands only in decimal numbers and names', start)
-            operand = bool(kind) or found == ")" or (operand and found == " ")
+            operand = bool(kind) or text == ")" or (operand and text == " ")
         try:
             return self.read(ast.parse(self.source, mode="eval").body, 0)
         except SyntaxError as error:

@@ -26,7 +26,7 @@ def files_recorded() -> Iterator[Mapping[Path, FileState | None]]:
     """Context manager that gives the files looked for within it, with what :func:`file_state` said of each before.
 
     >>> with files_recorded() as files:
-    ...     names = [one.name for one in files]
+    ...     names = [file.name for file in files]
     >>> names
     []
     """
@@ -41,10 +41,10 @@ def files_recorded() -> Iterator[Mapping[Path, FileState | None]]:
 def file_state(path: Path) -> FileState | None:
     """State of a file, another one after each change of it; None if it is not there."""
     try:
-        found = path.stat()
+        stat = path.stat()
     except (OSError, ValueError):
         return None
-    return found.st_mtime_ns, found.st_size, found.st_ino
+    return stat.st_mtime_ns, stat.st_size, stat.st_ino
 
 
 @contextmanager

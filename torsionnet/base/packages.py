@@ -50,8 +50,8 @@ class AttributeHints:
             from torsionnet.base.familiar_words import METHODS
 
             kind = type(self)
-            table = next((METHODS[one.__name__] for one in kind.__mro__ if one.__name__ in METHODS), {})
-            hint = python_hint(table, name, (one for one in dir(kind) if not one.startswith("_")))
+            table = next((METHODS[base.__name__] for base in kind.__mro__ if base.__name__ in METHODS), {})
+            hint = python_hint(table, name, (own for own in dir(kind) if not own.startswith("_")))
             raise AttributeError(f"{kind.__name__!r} object has no attribute {name!r}{hint}", name=name, obj=self)
 
 
@@ -70,7 +70,7 @@ class ArgumentHints:
             known = cls.__init__.__annotations__
             for name in entries:
                 if name not in known:
-                    hint = _argument_hint(name, [one for one in known if one != "return"])
+                    hint = _argument_hint(name, [argument for argument in known if argument != "return"])
                     raise TypeError(f"{cls.__name__}.__init__() got an unexpected keyword argument {name!r}{hint}")
             return super().__new__(cls)
 
@@ -127,8 +127,8 @@ def _method_hint(owner: type, name: str, own: list[str]) -> str:
     from torsionnet.base.familiar_words import METHODS
 
     advice = METHODS.get(owner.__name__, {}).get(name, "")
-    lazy = [one for one in dir(owner) if isinstance(getattr_static(owner, one), LazyMethod)]
-    takers = [f"{one}()" for one in lazy if name in _parameters(getattr(owner, one))]
+    lazy = [method for method in dir(owner) if isinstance(getattr_static(owner, method), LazyMethod)]
+    takers = [f"{method}()" for method in lazy if name in _parameters(getattr(owner, method))]
     if advice:
         return f"; write {advice}"
     if takers:
@@ -194,8 +194,8 @@ def lazy_exports(
             hint = python_hint(PYTHON.get(package, {}), name, dir(sys.modules[package]))
             raise AttributeError(f"module {package!r} has no attribute {name!r}{hint}", name=name)
         home, _, inside = table[name].partition(":")
-        found = importlib.import_module(home)
-        value = there[name] = getattr(found, inside) if inside else found
+        module = importlib.import_module(home)
+        value = there[name] = getattr(module, inside) if inside else module
         return value
 
     return list(table), attribute, lambda: sorted(table)

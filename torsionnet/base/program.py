@@ -72,22 +72,22 @@ class Program:
 
     def leaf(self, payload: Hashable) -> ProgramNode:
         """Node of a program's input (leaf), a payload that an algebra turns into a value, or a rational constant."""
-        found = self.known.get(payload)
-        if found is None:
-            found = self.known[payload] = self._node(("leaf", _constant(payload)))
-        return found
+        node = self.known.get(payload)
+        if node is None:
+            node = self.known[payload] = self._node(("leaf", _constant(payload)))
+        return node
 
     def node(self, value: Any) -> ProgramNode:
         return value if isinstance(value, ProgramNode) else self.leaf(value)
 
     def _node(self, step: tuple[Any, ...]) -> ProgramNode:
-        found = self.known.get(step)
-        if found is None:
-            found = ProgramNode(self, len(self.steps), self._value(step))
+        node = self.known.get(step)
+        if node is None:
+            node = ProgramNode(self, len(self.steps), self._value(step))
             self.steps.append(step)
-            self.nodes.append(found)
-            self.known[step] = found
-        return found
+            self.nodes.append(node)
+            self.known[step] = node
+        return node
 
     def _value(self, step: tuple[Any, ...]) -> Any:
         """Present value of a step's result, which a program without values has not."""
@@ -188,7 +188,7 @@ class Program:
 
     def factors(self, node: ProgramNode) -> Counter[int]:
         """Multiplicity of each factor of a program node that is a product, by the index of the factor's step."""
-        found: Counter[int] = Counter()
+        factors: Counter[int] = Counter()
         waiting = [node.index]
         while waiting:
             step = self.steps[waiting[-1]]
@@ -196,8 +196,8 @@ class Program:
             if step[0] == "*":
                 waiting += step[1:]
             else:
-                found[index] += 1
-        return found
+                factors[index] += 1
+        return factors
 
     def product(self, factors: Iterable[int]) -> ProgramNode:
         result = self.leaf(1)

@@ -191,15 +191,15 @@ class RecentResults:
         if isinstance(known, kind):
             self._results.move_to_end((kind, key))
             return known
-        found = make()
-        taken = size(found)
+        made = make()
+        taken = size(made)
         if taken <= RECENT_BYTES:
-            self._results[kind, key] = found, taken
+            self._results[kind, key] = made, taken
             self._bytes += taken
         while len(self._results) > RECENT_RESULTS or self._bytes > RECENT_BYTES:
             _, (_, freed) = self._results.popitem(last=False)
             self._bytes -= freed
-        return found
+        return made
 
 
 AnyKey = TypeVar("AnyKey", bound=Hashable)
@@ -234,15 +234,15 @@ class Groups(Generic[AnyKey]):
         were_apart = True
         own = self.of(first)
         for other in others:
-            found = self.of(other)
-            if found is own:
+            group = self.of(other)
+            if group is own:
                 were_apart = False
                 continue
-            if len(own) < len(found):  # the smaller ones move, so that no name moves more than log n times
-                moved, own = own, found
+            if len(own) < len(group):  # the smaller ones move, so that no name moves more than log n times
+                moved, own = own, group
                 own[:0] = moved
             else:
-                moved = found
+                moved = group
                 own += moved
             self.home.update(dict.fromkeys(moved, own))
         return were_apart

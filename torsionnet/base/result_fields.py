@@ -58,20 +58,20 @@ def out_fields(kind: type) -> tuple[OutField, ...]:
     if names := getattr(kind, "SHOWN", ()):
         return tuple(_declared(name, _annotation(kind, name)) for name in names)
     hints = get_type_hints(kind, include_extras=True)
-    found: list[OutField] = []
+    fields: list[OutField] = []
     for field in dataclasses.fields(kind):
-        _insert(found, _declared(field.name, hints[field.name]), len(found))
+        _insert(fields, _declared(field.name, hints[field.name]), len(fields))
     for name, member in ((name, member) for base in reversed(kind.__mro__) for name, member in vars(base).items()):
         if isinstance(member, property):
-            one = _declared(name, _returned(kind, name))
-            if one.out != Out():
-                _insert(found, one, 0)
-    return tuple(found)
+            declared = _declared(name, _returned(kind, name))
+            if declared.out != Out():
+                _insert(fields, declared, 0)
+    return tuple(fields)
 
 
 def printed_fields(kind: type, without: Collection[str] = ()) -> list[OutField]:
     """Fields of a result class that JSON has, but for those with these names."""
-    return [one for one in out_fields(kind) if one.key is not None and one.name not in without]
+    return [field for field in out_fields(kind) if field.key is not None and field.name not in without]
 
 
 def shown_value(result: object, name: str) -> Any:
@@ -86,11 +86,11 @@ def _annotation(kind: type, name: str) -> Any:
     """Type and declaration of a field or property, also of a part whose type may be Annotated or ``| None``."""
     first, _, rest = name.partition(".")
     hints = get_type_hints(kind, include_extras=True)
-    found = hints[first] if first in hints else _returned(kind, first)
+    annotation = hints[first] if first in hints else _returned(kind, first)
     if not rest:
-        return found
-    whole = _declared(first, found).type
-    (part,) = (one for one in get_args(whole) or (whole,) if one is not type(None))
+        return annotation
+    whole = _declared(first, annotation).type
+    (part,) = (option for option in get_args(whole) or (whole,) if option is not type(None))
     return _annotation(part, rest)
 
 
@@ -101,16 +101,16 @@ def _returned(kind: type, name: str) -> Any:
     return get_type_hints(getter, include_extras=True).get("return")
 
 
-def _insert(found: list[OutField], one: OutField, otherwise: int) -> None:
+def _insert(fields: list[OutField], field: OutField, otherwise: int) -> None:
     """Insert a result field behind the one that it follows, or at the place given."""
-    places = [place for place, other in enumerate(found, 1) if other.name == one.out.after]
-    found.insert(places[0] if places else otherwise, one)
+    places = [place for place, other in enumerate(fields, 1) if other.name == field.out.after]
+    fields.insert(places[0] if places else otherwise, field)
 
 
 def _declared(name: str, annotation: Any) -> OutField:
     if get_origin(annotation) is Annotated:
         declared, *more = get_args(annotation)
-        return OutField(name, declared, next((one for one in more if isinstance(one, Out)), Out()))
+        return OutField(name, declared, next((extra for extra in more if isinstance(extra, Out)), Out()))
     return OutField(name, annotation, Out())
 
 
@@ -122,14 +122,16 @@ def to_json(value: Any, without: Collection[str] = ()) -> Any:
     if isinstance(value, Note):
         return str(value)
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        pairs = ((one, shown_value(value, one.name)) for one in printed_fields(type(value), without))
+        pairs = ((declared, shown_value(value, declared.name)) for declared in printed_fields(type(value), without))
         return {
-            str(one.key): to_json(field, without) for one, field in pairs if not (one.out.optional and field is None)
+            str(declared.key): to_json(field, without)
+            for declared, field in pairs
+            if not (declared.out.optional and field is None)
         }
     if isinstance(value, Mapping):
-        return {key: to_json(one, without) for key, one in value.items()}
+        return {key: to_json(part, without) for key, part in value.items()}
     if isinstance(value, list | tuple):
-        return [to_json(one, without) for one in value]
+        return [to_json(part, without) for part in value]
     if isinstance(value, complex):
         return [value.real, value.imag]
     if hasattr(value, "tolist"):  # an array, or a number of numpy
@@ -167,7 +169,7 @@ def json_schema(kind: Any, without: Collection[str] = ()) -> Schema:
     arguments = get_args(kind)
     match get_origin(kind):
         case origin if origin in (Union, types.UnionType):
-            (inner,) = (one for one in arguments if one is not type(None))
+            (inner,) = (option for option in arguments if option is not type(None))
             return {"anyOf": [json_schema(inner, without), {"type": "null"}]}
         case origin if origin in (tuple, list):
             return {"type": "array", "items": json_schema(arguments[0], without)}
@@ -182,5 +184,6 @@ def json_schema(kind: Any, without: Collection[str] = ()) -> Schema:
         raise TypeError(f"no JSON Schema is known of {kind}; give one by Out(schema=...)")
     fields = printed_fields(kind, without)  # type: ignore[arg-type]
     return record_schema(
-        {str(one.key): one.schema(without) for one in fields}, [str(one.key) for one in fields if one.out.optional]
+        {str(field.key): field.schema(without) for field in fields},
+        [str(field.key) for field in fields if field.out.optional],
     )

@@ -75,13 +75,13 @@ def json_object(source: str | os.PathLike[str]) -> tuple[str, dict[str, Any]]:
 
 
 def _saved_fields(kind: Any) -> list[dataclasses.Field[Any]]:
-    return [one for one in dataclasses.fields(kind) if one.init and "unsaved" not in one.metadata]
+    return [field for field in dataclasses.fields(kind) if field.init and "unsaved" not in field.metadata]
 
 
 def _plain(value: Any) -> Any:
     """Data for JSON of a value of a result."""
     if dataclasses.is_dataclass(value):
-        return {one.name: _plain(getattr(value, one.name)) for one in _saved_fields(value)}
+        return {field.name: _plain(getattr(value, field.name)) for field in _saved_fields(value)}
     if hasattr(value, "tolist"):  # an array, or a number of numpy
         if value.ndim > 1 and not value.size:  # of which lists would keep a part of the shape
             return {"shape": list(value.shape)}
@@ -92,10 +92,10 @@ def _plain(value: Any) -> Any:
         return {"real": _plain(value.real), "imag": _plain(value.imag)}
     if isinstance(value, Mapping):
         if all(isinstance(key, str) for key in value):
-            return {key: _plain(one) for key, one in value.items()}
-        return [[_plain(key), _plain(one)] for key, one in value.items()]
+            return {key: _plain(part) for key, part in value.items()}
+        return [[_plain(key), _plain(part)] for key, part in value.items()]
     if isinstance(value, list | tuple):
-        return [_plain(one) for one in value]
+        return [_plain(part) for part in value]
     is_text = isinstance(value, Fraction) or (isinstance(value, float) and not math.isfinite(value))
     return str(value) if is_text else value
 
@@ -103,7 +103,11 @@ def _plain(value: Any) -> Any:
 def _object(kind: Any, data: Mapping[str, Any]) -> Any:
     """Object of a dataclass from its data; a field that is missing has its default."""
     return kind(
-        **{one.name: _value(_type(kind, one), data[one.name]) for one in _saved_fields(kind) if one.name in data}
+        **{
+            field.name: _value(_type(kind, field), data[field.name])
+            for field in _saved_fields(kind)
+            if field.name in data
+        }
     )
 
 
@@ -137,10 +141,10 @@ def _value(kind: Any, data: Any) -> Any:
             return None if data is None else _value(_fitting(arguments, data), data)
         case origin if origin is tuple:
             kinds = arguments[:1] * len(data) if arguments[1:] == (...,) else arguments
-            return tuple(_value(one, part) for one, part in zip(kinds, data, strict=True))
+            return tuple(_value(own, part) for own, part in zip(kinds, data, strict=True))
         case origin if isinstance(origin, type) and issubclass(origin, Mapping):
             pairs = data.items() if isinstance(data, Mapping) else data
-            return {_value(arguments[0], key): _value(arguments[1], one) for key, one in pairs}
+            return {_value(arguments[0], key): _value(arguments[1], part) for key, part in pairs}
         case origin if getattr(origin, "__name__", "") in ("ndarray", "NDArray"):
             return _array(get_args(arguments[-1]) or arguments[-1:], data)
     if dataclasses.is_dataclass(kind):
@@ -152,11 +156,15 @@ def _value(kind: Any, data: Any) -> Any:
 
 def _fitting(kinds: tuple[Any, ...], data: Any) -> Any:
     """Type of several that data are of: the dataclass with these fields, or what is no dataclass."""
-    others = [one for one in kinds if one is not type(None)]
+    others = [option for option in kinds if option is not type(None)]
     if isinstance(data, Mapping):
-        names = [(one, {field.name for field in _saved_fields(one)}) for one in others if dataclasses.is_dataclass(one)]
-        return next((one for one, known in names if known == set(data)), others[0])
-    return next((one for one in others if not dataclasses.is_dataclass(one)), others[0])
+        names = [
+            (option, {field.name for field in _saved_fields(option)})
+            for option in others
+            if dataclasses.is_dataclass(option)
+        ]
+        return next((option for option, known in names if known == set(data)), others[0])
+    return next((option for option in others if not dataclasses.is_dataclass(option)), others[0])
 
 
 def _array(dtype: tuple[Any, ...], data: Any) -> Any:

@@ -87,7 +87,7 @@ class Table:
 
     def with_digits(self, digits: int) -> Table:
         """Copy of the table with ``digits`` significant digits in every column."""
-        return replace(self, columns=tuple(replace(one, digits=digits, decimals=None) for one in self.columns))
+        return replace(self, columns=tuple(replace(column, digits=digits, decimals=None) for column in self.columns))
 
     def chosen(self, indices: Sequence[int]) -> Table:
         """Copy of the table with some of its columns only, given by their indices."""
@@ -150,7 +150,7 @@ class Table:
         """
         name, data = json_object(source)
         try:
-            columns = tuple(Column(one["name"], one["unit"]) for one in data["columns"])
+            columns = tuple(Column(column["name"], column["unit"]) for column in data["columns"])
             rows = tuple(map(tuple, data["rows"]))
             return cls(data["title"], columns, rows, tuple(data["notes"]))
         except (AttributeError, KeyError, TypeError) as error:
@@ -226,25 +226,25 @@ def result_table(
         Units shown.
     notes : sequence of str or Note
     """
-    fields = {one.name: one for one in out_fields(kind) if one.out.heading}
+    fields = {field.name: field for field in out_fields(kind) if field.out.heading}
     shown = [fields[name] for name in columns] if columns else list(fields.values())
     headings = tuple(
-        Column(one.out.heading, conventions.unit_of_column(one.out.unit), one.out.digits, one.out.decimals)
-        for one in shown
+        Column(field.out.heading, conventions.unit_of_column(field.out.unit), field.out.digits, field.out.decimals)
+        for field in shown
     )
-    cells = tuple(tuple(_cell(row, one, conventions) for one in shown) for row in rows)
+    cells = tuple(tuple(_cell(row, field, conventions) for field in shown) for row in rows)
     return Table(title, headings, cells, tuple(map(str, notes)))
 
 
-def _cell(row: object, one: OutField, conventions: Conventions) -> Any:
-    value, unit = shown_value(row, one.name), one.out.unit
+def _cell(row: object, field: OutField, conventions: Conventions) -> Any:
+    value, unit = shown_value(row, field.name), field.out.unit
     if isinstance(value, tuple):  # notes, in one cell
         return "; ".join(map(str, value))
-    if one.out.unit_of:
-        unit = getattr(row, one.out.unit_of)
+    if field.out.unit_of:
+        unit = getattr(row, field.out.unit_of)
         if isinstance(value, str):
             return conventions.unit(value)
-    scale = one.out.factor * conventions.scale_of_column(unit)
+    scale = field.out.factor * conventions.scale_of_column(unit)
     return float(value * scale) if isinstance(value, float) or (scale != 1.0 and value is not None) else value
 
 

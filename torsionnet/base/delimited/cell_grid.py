@@ -96,8 +96,8 @@ def _joined(columns: Sequence[_Column], heads: Sequence[str], below: Sequence[st
 
 
 def _belong_together(first: _Column, second: _Column, heads: Sequence[str], below: Sequence[str]) -> bool:
-    headed = [any(one.text(line) for line in heads) for one in (first, second)]
-    filled = [any(one.text(line) for line in below) for one in (first, second)]
+    headed = [any(column.text(line) for line in heads) for column in (first, second)]
+    filled = [any(column.text(line) for line in below) for column in (first, second)]
     both = [line for line in (*heads, *below) if first.text(line) and second.text(line)]
     if (all(headed) and all(filled)) or any(_NUMBER.fullmatch(first.text(line)) and _NUMBER.fullmatch(second.text(line))
                                             for line in both):  # fmt: skip
@@ -228,8 +228,8 @@ def _placed(cells: Sequence[str], number: int, line: str) -> tuple[Cell, ...]:
     placed, at = [], 0
     for cell in cells:
         text = " ".join(cell.split())
-        found = line.find(text.split(" ")[0], at) if text else -1
-        column = found if found >= 0 else min(at, len(line))
+        begin = line.find(text.split(" ")[0], at) if text else -1
+        column = begin if begin >= 0 else min(at, len(line))
         placed.append(Cell(text, number, column + 1))
         at = column + len(text) if text else column + 1
     return tuple(placed)
@@ -300,13 +300,13 @@ def plain_number_text(text: str, decimal: str) -> str | None:
     other = "." if decimal == "," else ","
     sign, groups = re.escape(decimal), rf"[{other}'’ {_BLANKS}]"
     whole = rf"(?:\d{{1,3}}(?:{groups}\d{{3}})+|\d+)"
-    found = re.fullmatch(
+    match = re.fullmatch(
         rf"(?P<sign>[+\-−]?)(?:(?P<whole>{whole})(?:{sign}(?P<part>\d*))?|{sign}(?P<only>\d+))(?P<power>[eE][+\-−]?\d+)?",
         text,
     )
-    if found is None:
+    if match is None:
         return None
-    digits = re.sub(r"\D", "", found["whole"] or "0").lstrip("0") or "0"
-    decimals = found["part"] or found["only"] or ""
-    power = (found["power"] or "").replace("−", "-")
-    return f"{'-' if found['sign'] in ('-', '−') else ''}{digits}{'.' if decimals else ''}{decimals}{power}"
+    digits = re.sub(r"\D", "", match["whole"] or "0").lstrip("0") or "0"
+    decimals = match["part"] or match["only"] or ""
+    power = (match["power"] or "").replace("−", "-")
+    return f"{'-' if match['sign'] in ('-', '−') else ''}{digits}{'.' if decimals else ''}{decimals}{power}"

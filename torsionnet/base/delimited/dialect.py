@@ -50,38 +50,38 @@ def is_stamp(text: str) -> bool:
 
 def stamp_columns(cells: Sequence[str]) -> list[tuple[int, ...]]:
     """Indices, from 0, of the columns of a row that hold time stamps; a pair where date and time have a column each."""
-    found: list[tuple[int, ...]] = []
+    columns: list[tuple[int, ...]] = []
     for at, cell in enumerate(cells):
         if is_stamp(cell):
             dated = at > 0 and is_date(cells[at - 1]) and not STAMP_PATTERN.fullmatch(cell)["joint"]  # type: ignore[index]
-            found.append((at - 1, at) if dated else (at,))
-    return found
+            columns.append((at - 1, at) if dated else (at,))
+    return columns
 
 
-def stamp_format(found: re.Match[str]) -> tuple[str, ...]:
+def stamp_format(stamp: re.Match[str]) -> tuple[str, ...]:
     """Format of a matched time stamp as texts, equal for all stamps of a column.
 
     Order and signs of the date, joint, zone, a.m. or p.m.
     """
-    kind = next((name for name in ("iso", "dots", "either") if found[name]), "")
-    joint = (found["joint"] or "").strip().upper()
-    return kind, found["between"] or found["sign"] or "", joint, str(bool(found["zone"])), str(bool(found["half"]))
+    kind = next((name for name in ("iso", "dots", "either") if stamp[name]), "")
+    joint = (stamp["joint"] or "").strip().upper()
+    return kind, stamp["between"] or stamp["sign"] or "", joint, str(bool(stamp["zone"])), str(bool(stamp["half"]))
 
 
-def written_date(found: re.Match[str]) -> str:
+def written_date(stamp: re.Match[str]) -> str:
     """Date in a matched time stamp as it is written, empty where there is none."""
-    return found["iso"] or found["dots"] or found["either"] or ""
+    return stamp["iso"] or stamp["dots"] or stamp["either"] or ""
 
 
-def nanoseconds(found: re.Match[str]) -> int:
+def nanoseconds(stamp: re.Match[str]) -> int:
     """Time of day of a matched stamp in nanoseconds of UTC, without its date."""
-    hours = int(found["hours"])
-    half = (found["half"] or "").strip().casefold()
+    hours = int(stamp["hours"])
+    half = (stamp["half"] or "").strip().casefold()
     if half:
         # 12 am is 0 h, and 12 pm stays 12 h.
         hours = hours % 12 + 12 * half.startswith("p")
-    whole = (hours * 60 + int(found["minutes"])) * 60 + int(found["seconds"]) - zone_offset(found["zone"])
-    return whole * NANOSECONDS_PER_SECOND + int((found["part"] or "")[:9].ljust(9, "0"))
+    whole = (hours * 60 + int(stamp["minutes"])) * 60 + int(stamp["seconds"]) - zone_offset(stamp["zone"])
+    return whole * NANOSECONDS_PER_SECOND + int((stamp["part"] or "")[:9].ljust(9, "0"))
 
 
 def zone_offset(text: str | None) -> int:
@@ -98,8 +98,8 @@ def day_month_order(text: str) -> str:
 
 def ordinal(text: str, order: str) -> int | None:
     """Proleptic Gregorian ordinal of a date, None where there is no such day."""
-    one, two, three = (int(part) for part in re.split(r"\D", text))
-    year, month, day = (one, two, three) if order == "iso" else (three, two, one)
+    first, second, third = (int(part) for part in re.split(r"\D", text))
+    year, month, day = (first, second, third) if order == "iso" else (third, second, first)
     if order == "month first":
         month, day = day, month
     try:
@@ -316,9 +316,9 @@ def split_heading(text: str) -> tuple[str, str]:
     if bracketed:
         return bracketed["name"], bracketed["unit"].strip()
     for form in (_IN_PARENTHESES, _WITH_SLASH):
-        found = form.fullmatch(text.strip())
-        if found and is_unit(found["unit"]):
-            return found["name"], found["unit"].strip()
+        match = form.fullmatch(text.strip())
+        if match and is_unit(match["unit"]):
+            return match["name"], match["unit"].strip()
     return text.strip(), ""
 
 

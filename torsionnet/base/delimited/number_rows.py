@@ -56,19 +56,19 @@ class StampReader:
         else:
             clocks, known = np.zeros(len(texts), dtype=np.int64), np.zeros(len(texts), dtype=bool)
             matches = [STAMP_PATTERN.fullmatch(text) for text in texts]
-            for at, (text, found) in enumerate(zip(texts, matches, strict=True)):
-                wrong = self._unlike(text, found) if text else ""
+            for at, (text, stamp) in enumerate(zip(texts, matches, strict=True)):
+                wrong = self._unlike(text, stamp) if text else ""
                 if wrong:
                     faults.append((at, wrong))
-                elif found:
-                    unknown = written_date(found) not in self._dates and self._learn_date(
-                        written_date(found), texts[at:]
+                elif stamp:
+                    unknown = written_date(stamp) not in self._dates and self._learn_date(
+                        written_date(stamp), texts[at:]
                     )
                     if unknown:  # no date below it can be counted either
                         faults.append((at, unknown))
                         break
                     clocks[at], known[at] = (
-                        nanoseconds(found) + self._dates.get(written_date(found), 0) * NANOSECONDS_PER_DAY,
+                        nanoseconds(stamp) + self._dates.get(written_date(stamp), 0) * NANOSECONDS_PER_DAY,
                         True,
                     )
         if faults:
@@ -86,15 +86,15 @@ class StampReader:
             values = values + days * NANOSECONDS_PER_DAY
         if len(values) and not self._begun:
             self._begin, self._begun = int(values[0]), True
-        found = np.full(len(clocks), np.nan)
-        found[known] = (values - self._begin) / NANOSECONDS_PER_SECOND
-        return found
+        seconds = np.full(len(clocks), np.nan)
+        seconds[known] = (values - self._begin) / NANOSECONDS_PER_SECOND
+        return seconds
 
-    def _unlike(self, text: str, found: re.Match[str] | None) -> str:
+    def _unlike(self, text: str, stamp: re.Match[str] | None) -> str:
         """Message about a time stamp whose format differs from that of the first stamp."""
-        if found is None:
+        if stamp is None:
             return f'"{text}" is not a time stamp; write it like "{self.first or "10:12:13.001"}"'
-        form, mark = stamp_format(found), found["mark"] or ""
+        form, mark = stamp_format(stamp), stamp["mark"] or ""
         if not self.first:
             self.first, self._form = text, form
         self._mark = self._mark or mark
@@ -116,8 +116,8 @@ class StampReader:
             self._first_date, self._dates[text] = text, 0
             return ""
         if order == "either":
-            later = {written_date(found) for found in map(STAMP_PATTERN.fullmatch, left) if found}
-            orders = {order for one in (*self._dates, *later) if (order := day_month_order(one))}
+            later = {written_date(stamp) for stamp in map(STAMP_PATTERN.fullmatch, left) if stamp}
+            orders = {order for written in (*self._dates, *later) if (order := day_month_order(written))}
             if len(orders) != 1:
                 what = "whether day or month comes first is not said" if not orders else "day and month change places"
                 return f"the date changes from {self._first_date} to {text}: {what}; write dates as 2024-05-03"
@@ -133,11 +133,11 @@ class StampReader:
 
         None for all others.
         """
-        found = STAMP_PATTERN.fullmatch(texts[0]) if texts else None
-        date_text = written_date(found) if found else ""
-        if found is None or found["half"] or (date_text and date_text not in self._dates):
+        stamp = STAMP_PATTERN.fullmatch(texts[0]) if texts else None
+        date_text = written_date(stamp) if stamp else ""
+        if stamp is None or stamp["half"] or (date_text and date_text not in self._dates):
             return None
-        if stamp_format(found) != self._form or (found["mark"] or self._mark) != self._mark or not texts[0].isascii():
+        if stamp_format(stamp) != self._form or (stamp["mark"] or self._mark) != self._mark or not texts[0].isascii():
             return None
         try:
             rows = np.array(texts, dtype=f"S{len(texts[0]) + 1}")
@@ -145,7 +145,7 @@ class StampReader:
             return None
         signs = rows.view(np.uint8).reshape(len(texts), -1)
         template, fixed = signs[0], np.ones(signs.shape[1], dtype=bool)
-        groups = [found.span(name) for name in ("hours", "minutes", "seconds", "part")]
+        groups = [stamp.span(name) for name in ("hours", "minutes", "seconds", "part")]
         for begin, end in groups:
             fixed[begin:end] = False
         digits = signs[:, ~fixed]
@@ -157,7 +157,7 @@ class StampReader:
         length = groups[3][1] - groups[3][0]
         if length > 9:
             return None
-        whole = (hours * 60 + minutes) * 60 + seconds - zone_offset(found["zone"])
+        whole = (hours * 60 + minutes) * 60 + seconds - zone_offset(stamp["zone"])
         nano = whole * NANOSECONDS_PER_SECOND + part * 10 ** (9 - length)
         return np.asarray(nano + self._dates.get(date_text, 0) * NANOSECONDS_PER_DAY, dtype=np.int64)
 
@@ -217,8 +217,8 @@ def _is_shorter(cell: str, others: Sequence[str]) -> bool:
 
 def _form(cell: str) -> tuple[int, int] | None:
     """Number of digits behind the decimal sign of a number, and of characters of its exponent."""
-    found = _DECIMALS.fullmatch(cell)
-    return (len(found["decimals"]), len(found["exponent"] or "")) if found else None
+    match = _DECIMALS.fullmatch(cell)
+    return (len(match["decimals"]), len(match["exponent"] or "")) if match else None
 
 
 LINES_PER_PIECE = 20_000

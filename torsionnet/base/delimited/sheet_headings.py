@@ -57,10 +57,10 @@ def sheet_unit(text: str) -> SheetUnit:
         raise UnitError(
             f'"{bare}" is ambiguous: it may be 1e... or 10 times as much; write 1e-9 or 10^-9', kind="ambiguous-number"
         )
-    plain = re.sub(r"10([⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+)", lambda found: "10^" + found[1].translate(_RAISED_UNIT), bare)
-    found = _BEFORE.fullmatch(plain) or _AFTER.fullmatch(plain)
-    power = next(int(group) for name, group in found.groupdict().items() if name != "unit" and group) if found else 0
-    spelled = _spelled(found["unit"] if found else plain)
+    plain = re.sub(r"10([⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+)", lambda match: "10^" + match[1].translate(_RAISED_UNIT), bare)
+    match = _BEFORE.fullmatch(plain) or _AFTER.fullmatch(plain)
+    power = next(int(group) for name, group in match.groupdict().items() if name != "unit" and group) if match else 0
+    spelled = _spelled(match["unit"] if match else plain)
     unit = parse_unit(spelled)
     factor = unit.factor * (Fraction(10) ** power if isinstance(unit.factor, Fraction) else 10.0**power)
     return SheetUnit(factor, unit.dimension, spelled, power)
@@ -104,9 +104,9 @@ def named_unit(heading: str) -> tuple[str, str]:
     bracketed = re.fullmatch(r"(?P<name>.*?\S)\s*\((?P<unit>.*)\)", heading.strip())
     if bracketed and _is_unit(bracketed["unit"]):
         return bracketed["name"], bracketed["unit"]
-    for found in re.finditer(r"\s*[\[(]([^\[\]()]*)[\])]", heading.strip()):
-        if _is_unit(found[1]):
-            return (heading.strip()[: found.start()] + heading.strip()[found.end() :]).strip(), found[1]
+    for bracket in re.finditer(r"\s*[\[(]([^\[\]()]*)[\])]", heading.strip()):
+        if _is_unit(bracket[1]):
+            return (heading.strip()[: bracket.start()] + heading.strip()[bracket.end() :]).strip(), bracket[1]
     words = re.split(r"(?<=\S)(?:\s*,\s*|\s+/\s+|\s+)", heading.strip())
     for count in range(len(words) - 1, 0, -1):
         tail = " ".join(words[-count:])

@@ -166,13 +166,13 @@ class Typed(Composite[D]):
             for kind, name in names.items()
         ]
         word = {"enum": list(known), "description": self.description}
-        found: Schema = {
+        schema: Schema = {
             self.name: {"type": "object", "properties": {self.key: word}, "required": [self.key], "allOf": rules}
         }
         for kind, cls in known.items():
-            found[names[kind]] = cls.schema(type_key=self.key)
-            found |= cls.definitions()
-        return found
+            schema[names[kind]] = cls.schema(type_key=self.key)
+            schema |= cls.definitions()
+        return schema
 
     @property
     def accepted(self) -> str:
@@ -214,9 +214,9 @@ class Named(Composite[Mapping[str, Stored_co]], Plural[Mapping[str, Stored_co]])
                 faults.append(replace(fault_of(reason, "invalid-name"), path=(name,), on_key=True))
                 continue
             empty = entry is None and self.of.may_be_empty
-            value, found = (self.of.absent, []) if empty else self.of.read(entry)
-            faults += [fault.under(name) for fault in found]
-            if not found:
+            value, wrong = (self.of.absent, []) if empty else self.of.read(entry)
+            faults += [fault.under(name) for fault in wrong]
+            if not wrong:
                 table[str(name)] = cast("Stored_co", value)
         return table, faults
 
@@ -228,9 +228,9 @@ class Named(Composite[Mapping[str, Stored_co]], Plural[Mapping[str, Stored_co]])
 
     def renamed(self, value: Any, names: Renaming) -> Any:
         if self.keys is not None:
-            return {self.keys.renamed(name, names): self.of.renamed(one, names) for name, one in value.items()}
-        found = {name: self.of.renamed(one, names) for name, one in value.items()}
-        return value if all(found[name] is value[name] for name in value) else found
+            return {self.keys.renamed(name, names): self.of.renamed(entry, names) for name, entry in value.items()}
+        renamed = {name: self.of.renamed(entry, names) for name, entry in value.items()}
+        return value if all(renamed[name] is value[name] for name in value) else renamed
 
     def plain(self, value: Any) -> Json:
         return {name: self.of.plain(entry) for name, entry in value.items()}
@@ -265,9 +265,9 @@ class Listed(Composite[tuple[Stored_co, ...]], Plural[tuple[Stored_co, ...]]):
         values: list[Any] = []
         faults: list[Fault] = []
         for index, entry in enumerate(raw):
-            value, found = self.of.read(entry)
-            faults += [fault.under(index) for fault in found]
-            values += [] if found else [value]
+            value, wrong = self.of.read(entry)
+            faults += [fault.under(index) for fault in wrong]
+            values += [] if wrong else [value]
         return tuple(values), faults
 
     def entry_specs(self, raw: object) -> Mapping[Any, Spec[Any]]:
@@ -276,8 +276,8 @@ class Listed(Composite[tuple[Stored_co, ...]], Plural[tuple[Stored_co, ...]]):
     def renamed(self, value: Any, names: Renaming) -> Any:
         if not isinstance(value, tuple):  # a word that stands for a list
             return value
-        found = tuple(self.of.renamed(one, names) for one in value)
-        return value if all(new is old for new, old in zip(found, value, strict=True)) else found
+        renamed = tuple(self.of.renamed(part, names) for part in value)
+        return value if all(new is old for new, old in zip(renamed, value, strict=True)) else renamed
 
     def plain(self, value: Any) -> Json:
         return [self.of.plain(entry) for entry in value]
@@ -338,12 +338,12 @@ def one_at_most(owner: object, *names: str, of: str = "") -> list[Fault]:
 
     ``of`` says of what, as "the damping".
     """
-    found = given_entries(owner, *names)
-    if len(found) < 2:
+    given = given_entries(owner, *names)
+    if len(given) < 2:
         return []
-    text = f"{of} is given by {found[0]} or by {found[1]}" if of else f"give {found[0]} or {found[1]}"
-    remedy = None if of else Remedy(LEAVE_OUT, keys=(found[0], found[1]))
-    return [Fault(f"{text}, not both", (found[1],), on_key=True, remedy=remedy, kind="contradicting-entries")]
+    text = f"{of} is given by {given[0]} or by {given[1]}" if of else f"give {given[0]} or {given[1]}"
+    remedy = None if of else Remedy(LEAVE_OUT, keys=(given[0], given[1]))
+    return [Fault(f"{text}, not both", (given[1],), on_key=True, remedy=remedy, kind="contradicting-entries")]
 
 
 def superfluous(why: str, key: str) -> Fault:

@@ -98,7 +98,7 @@ class Declared:
         Nothing is checked: for what is known to be right, or may contradict the other entries.
         """
         copied = object.__new__(type(self))
-        settle(copied, **{one.name: getattr(self, one.name) for one in fields(self)} | changes)  # type: ignore[arg-type]
+        settle(copied, **{field.name: getattr(self, field.name) for field in fields(self)} | changes)  # type: ignore[arg-type]
         return copied
 
     @classmethod
@@ -128,11 +128,11 @@ class Declared:
     def defaults(cls) -> Mapping[str, Any]:
         """Default of every entry in its stored form, by name."""
         stored = {name: spec.absent for name, spec in cls.specs()}
-        for one, (name, spec) in zip(cls.declared(), cls.specs(), strict=True):
-            if one.default not in (MISSING, None):
+        for field, (name, spec) in zip(cls.declared(), cls.specs(), strict=True):
+            if field.default not in (MISSING, None):
                 # Texts that give nothing, truth values and objects of entries are in their stored form.
-                is_stored = one.default == "" or isinstance(one.default, bool | Declared)
-                stored[name] = one.default if is_stored else spec.coerce(one.default)
+                is_stored = field.default == "" or isinstance(field.default, bool | Declared)
+                stored[name] = field.default if is_stored else spec.coerce(field.default)
         return stored
 
     @classmethod
@@ -162,8 +162,8 @@ class Declared:
         values: dict[str, Any] = {}
         for name, spec in cls.specs():
             if raw.get(name) is not None or (name in raw and name in cls.required() and not spec.may_be_empty):
-                values[name], found = spec.read(raw[name])
-                faults += [fault.under(name) for fault in found]
+                values[name], wrong = spec.read(raw[name])
+                faults += [fault.under(name) for fault in wrong]
         return values, faults
 
     @classmethod
@@ -177,7 +177,7 @@ class Declared:
         for key in raw:
             if key not in known:
                 run_together = _run_together(key, known, raw) if raw[key] is None else None
-                home = next((one for one, spec in specs.items() if key in spec.keys_within and one not in raw), None)
+                home = next((part for part, spec in specs.items() if key in spec.keys_within and part not in raw), None)
                 if home is None:
                     found = run_together or unknown_key(key, known, (key,), rest)
                     # A comma in a text without quotes makes a key without a value; one that is begun is like another.
@@ -229,9 +229,9 @@ class Declared:
         changes = {}
         for name, spec in self.specs():
             value = getattr(self, name)
-            found = value if value is None else self.spec_beside(name, spec, self.__dict__).renamed(value, names)
-            if found is not value:
-                changes[name] = found
+            renamed = value if value is None else self.spec_beside(name, spec, self.__dict__).renamed(value, names)
+            if renamed is not value:
+                changes[name] = renamed
         return replace(self, **changes) if changes else self  # type: ignore[type-var]
 
     def to_data(self) -> Json:
@@ -270,10 +270,10 @@ class Declared:
     @classmethod
     def definitions(cls) -> Schema:
         """Definitions that the JSON Schema of the class refers to, by name."""
-        found: Schema = {}
+        definitions: Schema = {}
         for _, spec in cls.specs():
-            found |= spec.definitions()
-        return found
+            definitions |= spec.definitions()
+        return definitions
 
 
 def _with_default(declared: Field[Any]) -> Schema:
@@ -287,16 +287,16 @@ def _with_default(declared: Field[Any]) -> Schema:
 
 def _run_together(key: Any, known: Iterable[str], raw: Mapping[Any, Any]) -> Fault | None:
     """Fault of an entry in brackets without a colon, or without a blank behind it: all of it is read as a key."""
-    found = re.match(r"(\w+)(\s*:\s*|\s+)[^\s=:]", str(key))
-    if not found or found[1] not in known or found[1] in raw:
+    match = re.match(r"(\w+)(\s*:\s*|\s+)[^\s=:]", str(key))
+    if not match or match[1] not in known or match[1] in raw:
         return None
     keys = list(raw)
-    if ":" not in found[2] and keys.index(key) and keys[keys.index(key) - 1] in ("description", "source", "name"):
+    if ":" not in match[2] and keys.index(key) and keys[keys.index(key) - 1] in ("description", "source", "name"):
         return None  # rather a comma in that text
-    lacks = f'a blank is missing after "{found[1]}:"' if ":" in found[2] else f'a colon is missing after "{found[1]}"'
-    text = f"{lacks}; write {found[1]}: {str(key)[found.end() - 1 :]}"
+    lacks = f'a blank is missing after "{match[1]}:"' if ":" in match[2] else f'a colon is missing after "{match[1]}"'
+    text = f"{lacks}; write {match[1]}: {str(key)[match.end() - 1 :]}"
     apart = Remedy(SEPARATE)
-    return Fault(text, (key,), on_key=True, kind="unknown-entry", about=str(key), meant=found[1], remedy=apart)
+    return Fault(text, (key,), on_key=True, kind="unknown-entry", about=str(key), meant=match[1], remedy=apart)
 
 
 FOLDER: ContextVar[Path | None] = ContextVar("folder of the file that is being read", default=None)

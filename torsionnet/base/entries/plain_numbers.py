@@ -38,9 +38,9 @@ class PlainNumbers(Plural[tuple[float, ...]]):
             remedy = Remedy(BRACKET) if isinstance(raw, str) else None
             raise EntryError(Fault(f"expected a list of numbers, {got(raw)}", remedy=remedy, kind="wrong-form"))
         number, values = PlainNumber(self.description), []
-        for index, one in enumerate(raw):
+        for index, part in enumerate(raw):
             try:
-                values.append(number.coerce(one))
+                values.append(number.coerce(part))
             except EntryError as error:
                 raise EntryError(error.fault.under(index)) from None
         return tuple(values)

@@ -339,10 +339,10 @@ class Bands(Plural[tuple[tuple[float, float], ...]]):
     absent: ClassVar[Any] = ()
 
     def coerce(self, raw: object) -> tuple[tuple[float, float], ...]:
-        one = Band(self.description, from_zero=True)
+        band = Band(self.description, from_zero=True)
         if isinstance(raw, list | tuple) and all(_is_band(part) for part in raw):
-            return tuple(coerce_part(index, one, part) for index, part in enumerate(raw))
-        return (one.coerce(raw),)
+            return tuple(coerce_part(index, band, part) for index, part in enumerate(raw))
+        return (band.coerce(raw),)
 
     def plain(self, value: tuple[tuple[float, float], ...]) -> list[str]:
         return [Band("").plain(band) for band in value]

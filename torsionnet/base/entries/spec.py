@@ -103,15 +103,15 @@ class Renaming:
         if isinstance(value, Expression):
             return self.expression(value)
         if type(value) is tuple:
-            found = tuple(map(self.within, value))
-            return value if all(new is old for new, old in zip(found, value, strict=True)) else found
+            renamed = tuple(map(self.within, value))
+            return value if all(new is old for new, old in zip(renamed, value, strict=True)) else renamed
         if isinstance(value, dict):
-            entries = {key: self.within(one) for key, one in value.items()}
+            entries = {key: self.within(part) for key, part in value.items()}
             return value if all(entries[key] is value[key] for key in value) else entries
         if hasattr(value, "renamed"):
             return value.renamed(self)
         if is_dataclass(value) and not isinstance(value, type):
-            changes = {one.name: self.within(getattr(value, one.name)) for one in fields(value) if one.init}
+            changes = {own.name: self.within(getattr(value, own.name)) for own in fields(value) if own.init}
             changes = {key: new for key, new in changes.items() if new is not getattr(value, key)}
             return replace(value, **changes) if changes else value
         return value
