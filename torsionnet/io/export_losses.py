@@ -107,18 +107,18 @@ def refuse_laws_of_motion(drivetrain: Drivetrain, target: str) -> None:
     if definition.tangents is not None and definition.tangents.is_loaded:
         return
     value = Values(drivetrain.exact_values)
-    found = [
-        f"{one.name} ({one.kind})"
-        for one in following_elements(definition)
-        if any(isinstance(part, MotionLaw) for part in one.whole_parts(value))
+    nonlinear = [
+        f"{element.name} ({element.kind})"
+        for element in following_elements(definition)
+        if any(isinstance(part, MotionLaw) for part in element.whole_parts(value))
     ]
-    if not found:
+    if not nonlinear:
         return
-    rest = f" and {len(found) - MOST_NAMES} more" if len(found) > MOST_NAMES else ""
+    rest = f" and {len(nonlinear) - MOST_NAMES} more" if len(nonlinear) > MOST_NAMES else ""
     raise UsageError(
-        f"{target} holds linear elements, and {', '.join(found[:MOST_NAMES])}{rest} follow laws of motion that are not "
-        "linear; write the model at an operating point, which has their tangents: model.at(torque={...}), or load: or "
-        "operating_point: in its file",
+        f"{target} holds linear elements, and {', '.join(nonlinear[:MOST_NAMES])}{rest} follow laws of motion that "
+        "are not linear; write the model at an operating point, which has their tangents: model.at(torque={...}), or "
+        "load: or operating_point: in its file",
         kind="no-counterpart",
     )
 
@@ -144,14 +144,14 @@ def describe_part(part: Part) -> str:
         return f"torque on {row_text(part.row)} that follows {row_text(part.sensed)}"
     if not isinstance(part, Law):
         return f"constraint {row_text(part.row)} = 0"
-    found = {
+    acts = {
         "inertia": part.inertia != 0,
         "damping": part.damping != 0,
         "stiffness": part.stiffness != 0,
         "loss factor": part.loss_factor != 0,
         "table over frequency": part.table is not None,
     }
-    names = [name for name, is_there in found.items() if is_there]
+    names = [name for name, is_there in acts.items() if is_there]
     return f"{' and '.join(names)} on {row_text(part.row)}"
 
 

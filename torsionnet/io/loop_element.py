@@ -29,7 +29,7 @@ def loop_element(found: TorqueLoops) -> Drivetrain:
     spring has their means; else rows of torque over twist, which hold for either side. Behind free play with a single
     stage stands a clearance.
     """
-    loop = max(found.loops, key=lambda one: one.amplitude.value)
+    loop = max(found.loops, key=lambda loop: loop.amplitude.value)
     source = f"{loop.cycles} cycles of {found.torque} over {found.twist}" + (
         f" in {found.title}" if found.title else ""
     )
@@ -95,17 +95,19 @@ def _scaled(value: LoopValue, factor: float) -> LoopValue:
 
 def _stages(stages: Sequence[LoopStage], parameter: Any) -> list[Any]:
     """Entries of stages, each up to where the next one begins."""
-    found: list[dict[str, str]] = []
-    for one in stages:
-        if one.begins is not None:
-            found[-1]["to_twist"] = parameter(f"g_{one.number - 1}", one.begins, "rad")
-        found.append({"stiffness": parameter(f"k_{one.number}", one.stiffness, "N*m/rad")})
-    return found
+    entries: list[dict[str, str]] = []
+    for stage in stages:
+        if stage.begins is not None:
+            entries[-1]["to_twist"] = parameter(f"g_{stage.number - 1}", stage.begins, "rad")
+        entries.append({"stiffness": parameter(f"k_{stage.number}", stage.stiffness, "N*m/rad")})
+    return entries
 
 
 def _rows(loop: TorqueLoop) -> list[list[str]]:
     """Rows of twist and torque at the ends and breaks of a spring line."""
-    begins = [one.begins.value * (1 if one.side == "drive" else -1) for one in loop.stages if one.begins is not None]
+    begins = [
+        stage.begins.value * (1 if stage.side == "drive" else -1) for stage in loop.stages if stage.begins is not None
+    ]
     inside = [at for at in begins if loop.twist[0] < at < loop.twist[-1]]
     twists = np.array(sorted({float(loop.twist[0]), *inside, float(loop.twist[-1])}))
     torques = np.interp(twists, loop.twist, loop.spring_line)

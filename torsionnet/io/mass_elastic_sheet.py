@@ -130,12 +130,12 @@ class MassElasticGraph:
     @property
     def connections_at(self) -> dict[str, list[Connection]]:
         """Connections between two nodes by node, each listed at both of its ends; those to ground are left out."""
-        found: dict[str, list[Connection]] = {node: [] for node in self.inertias}
-        for one in self.connections:
-            if GROUND not in (one.first, one.second):
-                found[one.first].append(one)
-                found[one.second].append(one)
-        return found
+        by_node: dict[str, list[Connection]] = {node: [] for node in self.inertias}
+        for connection in self.connections:
+            if GROUND not in (connection.first, connection.second):
+                by_node[connection.first].append(connection)
+                by_node[connection.second].append(connection)
+        return by_node
 
 
 def mass_elastic_graph(drivetrain: Drivetrain, reference: str) -> MassElasticGraph:
@@ -200,7 +200,7 @@ def _law(graph: MassElasticGraph, element: Element, law: Law, value: Values) -> 
     node, share = next(iter(law.row.items()))
     # A law on the row a (theta_1 - tau theta_2) counts a^2 times over the angle of its first node.
     factor = float(share) ** 2
-    inertia, damping, stiffness = (float(one) * factor for one in (law.inertia, law.damping, law.stiffness))
+    inertia, damping, stiffness = (float(size) * factor for size in (law.inertia, law.damping, law.stiffness))
     section = element.diameters
     diameters = None if section is None else (float(value(section[0])), float(value(section[1])))
     # On one node an inertia is a mass and a damping one to ground; a spring to ground has a row of its own.
@@ -211,9 +211,11 @@ def _law(graph: MassElasticGraph, element: Element, law: Law, value: Values) -> 
             return True
     elif not stiffness and not damping:
         return True
-    one = _connected(element.name, law.row)
+    connection = _connected(element.name, law.row)
     lossy = float(law.loss_factor)
-    graph.connections.append(replace(one, stiffness=stiffness, damping=damping, loss_factor=lossy, diameters=diameters))
+    graph.connections.append(
+        replace(connection, stiffness=stiffness, damping=damping, loss_factor=lossy, diameters=diameters)
+    )
     return True
 
 
@@ -228,10 +230,10 @@ def _connected(name: str, row: Row) -> Connection:
 
 def _named(connections: list[Connection]) -> Iterator[Connection]:
     """Yield the connections with unique names, numbered where one element has several."""
-    names = [one.name for one in connections]
-    for index, one in enumerate(connections):
-        several = names.count(one.name) > 1
-        yield replace(one, name=f"{one.name}_{names[:index].count(one.name) + 1}") if several else one
+    names = [connection.name for connection in connections]
+    for index, link in enumerate(connections):
+        several = names.count(link.name) > 1
+        yield (replace(link, name=f"{link.name}_{names[:index].count(link.name) + 1}") if several else link)
 
 
 def _ratios(graph: MassElasticGraph, reference: str) -> dict[str, Any]:
@@ -240,8 +242,8 @@ def _ratios(graph: MassElasticGraph, reference: str) -> dict[str, Any]:
     at, waiting = graph.connections_at, deque([reference])
     while waiting:
         node = waiting.popleft()
-        for one in at[node]:
-            there = one.from_node(node)
+        for connection in at[node]:
+            there = connection.from_node(node)
             # A rigid connection has theta_1 = tau theta_2, and on average so has a spring.
             speed = ratios[node] / there.tau
             if there.second not in ratios:
@@ -249,8 +251,8 @@ def _ratios(graph: MassElasticGraph, reference: str) -> dict[str, Any]:
                 waiting.append(there.second)
             elif abs(float(ratios[there.second] / speed) - 1) > 1e-9:
                 raise UsageError(
-                    f"the ratio of {one.name} is not that of the speeds of its nodes by another way through the plant; "
-                    "a sheet has one speed for each mass, so switch one of the ways off",
+                    f"the ratio of {connection.name} is not that of the speeds of its nodes by another way through the "
+                    "plant; a sheet has one speed for each mass, so switch one of the ways off",
                     kind="no-counterpart",
                 )
     unconnected = [node for node in graph.inertias if node not in ratios]
@@ -306,8 +308,8 @@ def to_mass_elastic(drivetrain: Drivetrain, *, referred_to: str | None = None) -
     order, held, others = _laid_out(graph)
     for node in order:
         writer.writerow(_mass_row(graph, node, held.get(node), referred))
-    for one in others:
-        writer.writerow([one.name, "", "", "", one.first, one.second, *_shaft_cells(graph, one, referred)])
+    for link in others:
+        writer.writerow([link.name, "", "", "", link.first, link.second, *_shaft_cells(graph, link, referred)])
     text.writelines(f"# {' '.join(note.split())}\n" for note in export_losses(drivetrain, "sheet").sentences())
     return text.getvalue()
 
@@ -338,10 +340,10 @@ def _laid_out(graph: MassElasticGraph) -> tuple[list[str], dict[str, Connection]
             before = by.second if by.first == node else by.first
             holder = before if is_main else node
             held[holder] = by.from_node(holder)
-        onward = [one for one in at[node] if one.name not in used]
-        stack += [(one.from_node(node).second, is_main and place == 0, one)
-                  for place, one in reversed(list(enumerate(onward)))]  # fmt: skip
-    return order, held, [one for one in graph.connections if one.name not in used]
+        onward = [connection for connection in at[node] if connection.name not in used]
+        stack += [(connection.from_node(node).second, is_main and place == 0, connection)
+                  for place, connection in reversed(list(enumerate(onward)))]  # fmt: skip
+    return order, held, [connection for connection in graph.connections if connection.name not in used]
 
 
 def _mass_row(graph: MassElasticGraph, node: str, held: Connection | None, referred: bool) -> Sequence[Any]:
@@ -353,13 +355,13 @@ def _mass_row(graph: MassElasticGraph, node: str, held: Connection | None, refer
     return [*row, "", held.second, *_shaft_cells(graph, held, referred)]
 
 
-def _shaft_cells(graph: MassElasticGraph, one: Connection, referred: bool) -> Sequence[str]:
-    factor = float(graph.ratios[one.first]) ** 2 if referred else 1.0
-    section = ["", ""] if one.diameters is None else [repr(size) if size else "" for size in one.diameters]
-    if one.stiffness is None:
+def _shaft_cells(graph: MassElasticGraph, link: Connection, referred: bool) -> Sequence[str]:
+    factor = float(graph.ratios[link.first]) ** 2 if referred else 1.0
+    section = ["", ""] if link.diameters is None else [repr(size) if size else "" for size in link.diameters]
+    if link.stiffness is None:
         return ["rigid", "", "", *section]
-    numbers = [one.damping * factor, one.loss_factor]
-    return [repr(one.stiffness * factor), *(repr(number) if number else "" for number in numbers), *section]
+    numbers = [link.damping * factor, link.loss_factor]
+    return [repr(link.stiffness * factor), *(repr(number) if number else "" for number in numbers), *section]
 
 
 def _ratio(ratio: Any) -> str:

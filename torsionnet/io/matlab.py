@@ -71,8 +71,8 @@ def matrices(drivetrain: Drivetrain) -> Matrices:
     Examples
     --------
     >>> import torsionnet as tn
-    >>> found = matrices(tn.load("dmf_rig"))
-    >>> found.coordinates, found.K.tolist(), found.F.tolist()
+    >>> system = matrices(tn.load("dmf_rig"))
+    >>> system.coordinates, system.K.tolist(), system.F.tolist()
     (('motor', 'primary'), [[13300.0, -13300.0], [-13300.0, 13760.0]], [[1.0], [0.0]])
     """
     assembly, system = drivetrain.assembly, drivetrain.assembly.system
@@ -108,11 +108,11 @@ def _refuse(drivetrain: Drivetrain, assembly: Assembly) -> None:
 
 def _motion(assembly: Assembly, reading: Functional) -> FloatArray:
     """Coefficients (3, n_q) in SI of q, q' and q'' in a sensor's reading."""
-    found = np.zeros((3, assembly.system.n_coordinates))
+    coefficients = np.zeros((3, assembly.system.n_coordinates))
     for term in reading.terms:
         factors = [float(factor) for factor in powers_of_s(assembly, term)]
-        found += np.outer(factors, float(term.factor) * term.row)
-    return found
+        coefficients += np.outer(factors, float(term.factor) * term.row)
+    return coefficients
 
 
 MATRIX_MEANINGS = {
@@ -175,24 +175,24 @@ def to_matlab(drivetrain: Drivetrain) -> str:
     ["coordinates = {'motor', 'primary'};  % q"]
     """
     refuse_laws_of_motion(drivetrain, "a script of matrices for Matlab")
-    found = matrices(drivetrain)
+    system = matrices(drivetrain)
     states, reason = _states(drivetrain)
     lines = [*_head(drivetrain), f"title = {_quoted(drivetrain.title)};"]
     notes = ", ".join(map(_quoted, export_losses(drivetrain, "matlab").sentences()))
     lines.append(f"notes = {{{notes}}};  % what the model has and this file has not")
     for name, meaning in NAME_MEANINGS.items():
-        listed = ", ".join(_quoted(text) for text in getattr(found, name))
+        listed = ", ".join(_quoted(text) for text in getattr(system, name))
         lines.append(f"{name} = {{{listed}}};{f'  % {meaning}' if meaning else ''}")
     lines += ["", "% M q'' + C q' + K q = F u,   y = Y0 q + Y1 q' + Y2 q'' + Yu u,   theta = T q"]
     for name, meaning in MATRIX_MEANINGS.items():
-        lines += [f"% {name}: {meaning}", *_matrix(name, getattr(found, name))]
+        lines += [f"% {name}: {meaning}", *_matrix(name, getattr(system, name))]
     if states is None:
         lines += ["", f"% no state space: {_one_line(reason)}"]
     else:
         lines += ["", "% x' = A x + B u,   y = C x + D u"]
         for name in "ABCD":
             lines += _matrix(f"state_space.{name}", getattr(states, name))
-        lines += ["if exist('ss', 'file')", *_named_system(found), "end"]
+        lines += ["if exist('ss', 'file')", *_named_system(system), "end"]
     return "\n".join([*lines, ""])
 
 
@@ -232,12 +232,12 @@ def write_matlab(drivetrain: Drivetrain, path: str | os.PathLike[str]) -> None:
 
 def _variables(drivetrain: Drivetrain) -> dict[str, Any]:
     refuse_laws_of_motion(drivetrain, "a script of matrices for Matlab")
-    found = matrices(drivetrain)
+    system = matrices(drivetrain)
     states, _ = _states(drivetrain)
     content: dict[str, Any] = {"title": drivetrain.title}
-    content |= {name: cell_array(getattr(found, name)) for name in NAME_MEANINGS}
+    content |= {name: cell_array(getattr(system, name)) for name in NAME_MEANINGS}
     content["notes"] = cell_array(export_losses(drivetrain, "matlab").sentences())
-    content |= {name: np.asarray(getattr(found, name), dtype=float) for name in MATRIX_MEANINGS}
+    content |= {name: np.asarray(getattr(system, name), dtype=float) for name in MATRIX_MEANINGS}
     if states is not None:
         content["state_space"] = {name: getattr(states, name) for name in "ABCD"}
     return content
@@ -291,7 +291,7 @@ def _row(values: Iterable[Any]) -> str:
     )
 
 
-def _named_system(found: Matrices) -> list[str]:
-    names = ["'InputName', inputs" if found.inputs else "", "'OutputName', outputs" if found.outputs else ""]
+def _named_system(system: Matrices) -> list[str]:
+    names = ["'InputName', inputs" if system.inputs else "", "'OutputName', outputs" if system.outputs else ""]
     more = "".join(f", {name}" for name in names if name)
     return [f"    sys = ss(state_space.A, state_space.B, state_space.C, state_space.D{more});"]

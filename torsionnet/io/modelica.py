@@ -264,11 +264,11 @@ class _Model:
                 self._read(read[name], sensor)
 
     def _parameters(self, known: dict[str, str], words: ModelicaExpressions) -> list[str]:
-        found = dimensions(self.drivetrain.parameter_definitions)[0]
-        kinds = parameter_kinds(self.drivetrain.elements.values(), found)
+        dimension_of = dimensions(self.drivetrain.parameter_definitions)[0]
+        kinds = parameter_kinds(self.drivetrain.elements.values(), dimension_of)
         lines = []
         for name, parameter in self.drivetrain.parameter_definitions.items():
-            unit = unit_of(found.get(name), kinds.get(name), parameter.value)
+            unit = unit_of(dimension_of.get(name), kinds.get(name), parameter.value)
             attribute = f'(unit="{unit}")' if unit else ""
             comment = f" {quoted(parameter.description)}" if parameter.description else ""
             lines.append(f"parameter Real {known[name]}{attribute} = {words.expression(parameter.value)}{comment};")

@@ -155,11 +155,11 @@ class ModelicaExpressions:
     def expression(self, value: Expression) -> str:
         """Modelica text of an expression in SI units; equal to the model's for any values of the parameters."""
         text = _NAME.sub(self._name, value.written()[0].replace("**", "^"))
-        return _INTEGER.sub(lambda found: f"{found[0]}.0" if int(found[0]) > LARGEST_INTEGER else found[0], text)
+        return _INTEGER.sub(lambda match: f"{match[0]}.0" if int(match[0]) > LARGEST_INTEGER else match[0], text)
 
-    def _name(self, found: re.Match[str]) -> str:
+    def _name(self, match: re.Match[str]) -> str:
         known = {"pi": "Modelica.Constants.pi", "sqrt": "sqrt"}
-        return known.get(found[0]) or self.names[found[0]]
+        return known.get(match[0]) or self.names[match[0]]
 
     def damping(self, value: Any, stiffness: Any) -> str:
         """Modelica text of a viscous damping coefficient in N m s/rad.
@@ -182,14 +182,14 @@ def factor(text: str) -> str:
 
 def parameter_kinds(elements: Iterable[Element], known: Mapping[str, Dimension | None]) -> dict[str, str]:
     """Kind of quantity (inertia, stiffness, ...) of each parameter, from the entries of elements that use it."""
-    found: dict[str, str] = {}
+    kinds: dict[str, str] = {}
     for element in elements:
         for _, _, expression, kind in element.expressions():
             for name in expression.names:
                 alone = isinstance(expression, Name) and known.get(name) is None
                 if alone or (kind in MODELICA_UNITS and known.get(name) == DIMENSIONS[kind]):
-                    found.setdefault(name, kind)
-    return found
+                    kinds.setdefault(name, kind)
+    return kinds
 
 
 def unit_of(dimension: Dimension | None, kind: str | None, value: Expression) -> str:
@@ -310,8 +310,8 @@ class _PartWriter:
         levers = [(self.points[node], self.words.record.node(share)) for node, share in row.items()]
         return reduce(self._mean_of_two, levers)
 
-    def _mean_of_two(self, one: Lever, other: Lever) -> Lever:
-        (point, factor), (end, share) = one, other
+    def _mean_of_two(self, lever: Lever, other: Lever) -> Lever:
+        (point, factor), (end, share) = lever, other
         if factor + share == 0:  # there is no mean of weights that cancel: the other angle turned round
             reverse = self._declared("IdealGear", "ratio=-1", "_reverse")
             self.net.points.join(end, f"{reverse}.flange_a")

@@ -228,16 +228,20 @@ class TorsFile(TorsPart):
     @cached_property
     def ends(self) -> Mapping[str, tuple[str, str]]:
         """Names of component and element by ``component.element``."""
-        return {f"{name}.{one.name}": (name, one.name) for name, elements in self.chains.items() for one in elements}
+        return {
+            f"{name}.{element.name}": (name, element.name)
+            for name, elements in self.chains.items()
+            for element in elements
+        }
 
     @cached_property
     def onward(self) -> Mapping[tuple[str, str], tuple[str, ...]]:
         """Components that begin at the end of an element, by the names of its component and its own."""
-        found: dict[tuple[str, str], tuple[str, ...]] = {}
+        onward: dict[tuple[str, str], tuple[str, ...]] = {}
         for source, target in self.structure:
             start = self.ends[source]
-            found[start] = (*found.get(start, ()), self.ends[target][0])
-        return found
+            onward[start] = (*onward.get(start, ()), self.ends[target][0])
+        return onward
 
     @cached_property
     def starts(self) -> tuple[str, ...]:

@@ -62,11 +62,11 @@ class Graph:
     @cached_property
     def at(self) -> dict[str, list[Edge]]:
         """Shafts and gears at every node, by node, in the order of the elements."""
-        found: dict[str, list[Edge]] = {node: [] for node in self.disks}
+        by_node: dict[str, list[Edge]] = {node: [] for node in self.disks}
         for edge in self.edges:
             for node in (edge.first, edge.second):
-                found[node].append(edge)
-        return found
+                by_node[node].append(edge)
+        return by_node
 
 
 def tors_graph(drivetrain: Drivetrain) -> Graph:

@@ -50,12 +50,12 @@ def write_tracked_orders(orders: Sequence[TrackedOrders], path: str | os.PathLik
     Examples
     --------
     >>> import tempfile
-    >>> one = TrackedOrders(
+    >>> tracked = TrackedOrders(
     ...     "T", "torque", np.array([6.0]), np.array([0.5]), np.array([20.0]), np.array([[3 + 4j]]), np.ones((1, 1)),
     ...     reference="top dead centre of cylinder 1",
     ... )
     >>> path = Path(tempfile.mkdtemp(), "orders.csv")
-    >>> write_tracked_orders([one], path)
+    >>> write_tracked_orders([tracked], path)
     >>> (again,) = read_tracked_orders(path)
     >>> again.along(6).tolist(), again.reference
     ([(3+4j)], 'top dead centre of cylinder 1')
@@ -72,8 +72,8 @@ def tracked_orders_text(orders: Sequence[TrackedOrders]) -> str:
     heads += [(_RELATED, ", ".join(f"{time:.6g}" for time in first.related_within))]
     known = {name: value for name, value in asdict(first.tracking).items() if value}
     heads += [(_TRACKING, json.dumps(known) if first.tracking.known else "")]
-    notes = {one.name: list(map(note_data, one.notes)) for one in orders}
-    lines = [f"{one.name}: {note}" for one in orders for note in one.notes]
+    notes = {tracked.name: list(map(note_data, tracked.notes)) for tracked in orders}
+    lines = [f"{tracked.name}: {note}" for tracked in orders for note in tracked.notes]
     if all(list(map(note_data, _notes(lines, name, notes))) == own for name, own in notes.items()):
         heads += [(_NOTE, line) for line in lines]
     else:  # names or texts with colons, or a warning about a channel
@@ -82,13 +82,15 @@ def tracked_orders_text(orders: Sequence[TrackedOrders]) -> str:
         if text:
             out.write(f"# {key}: {' '.join(text.split())}\n")
     writer = csv.writer(out, lineterminator="\n")
-    writer.writerow([*LEADING_COLUMNS, *(f"{one.name} {part} [{one.unit}]" for one in orders for part in PARTS)])
+    writer.writerow(
+        [*LEADING_COLUMNS, *(f"{tracked.name} {part} [{tracked.unit}]" for tracked in orders for part in PARTS)]
+    )
     for at, (time, rpm) in enumerate(zip(first.times.tolist(), first.rpm.tolist(), strict=True)):
         for place, order in enumerate(first.orders.tolist()):
             cells: list[float | str] = [time, rpm, order]
-            for one in orders:
-                value, width = complex(one.values[place, at]), float(one.half_widths[place, at])
-                half = "" if one.half_range is None else float(one.half_range[at])
+            for tracked in orders:
+                value, width = complex(tracked.values[place, at]), float(tracked.half_widths[place, at])
+                half = "" if tracked.half_range is None else float(tracked.half_range[at])
                 cells += [value.real, value.imag, "" if np.isnan(width) else width, half]
             writer.writerow(cells)
     return out.getvalue()
@@ -97,19 +99,22 @@ def tracked_orders_text(orders: Sequence[TrackedOrders]) -> str:
 def _common(orders: Sequence[TrackedOrders]) -> TrackedOrders:
     if not orders:
         raise UsageError("there are no tracked orders to write", kind="missing-data")
-    first, names = orders[0], [one.name for one in orders]
-    for one in orders[1:]:
-        if names.count(one.name) > 1:
-            raise UsageError(f"two channels are named {one.name}: a file needs a name for each", kind="repeated-name")
-        alike = one.times.shape == first.times.shape and one.orders.shape == first.orders.shape
-        if not (alike and np.allclose(one.times, first.times) and np.allclose(one.orders, first.orders)):
+    first, names = orders[0], [tracked.name for tracked in orders]
+    for tracked in orders[1:]:
+        if names.count(tracked.name) > 1:
             raise UsageError(
-                f"{one.name} and {first.name} were tracked at other times or orders: write them apart",
+                f"two channels are named {tracked.name}: a file needs a name for each", kind="repeated-name"
+            )
+        alike = tracked.times.shape == first.times.shape and tracked.orders.shape == first.orders.shape
+        if not (alike and np.allclose(tracked.times, first.times) and np.allclose(tracked.orders, first.orders)):
+            raise UsageError(
+                f"{tracked.name} and {first.name} were tracked at other times or orders: write them apart",
                 kind="unlike-results",
             )
-        if (one.reference, one.undecided) != (first.reference, first.undecided):
+        if (tracked.reference, tracked.undecided) != (first.reference, first.undecided):
             raise UsageError(
-                f"{one.name} and {first.name} have other references of phase: write them apart", kind="unlike-results"
+                f"{tracked.name} and {first.name} have other references of phase: write them apart",
+                kind="unlike-results",
             )
     return first
 
@@ -141,17 +146,17 @@ def read_tracked_orders(path: str | os.PathLike[str]) -> tuple[TrackedOrders, ..
     related = tuple(float(text) for text in heads.get(_RELATED, "").split(",") if text.strip())
     tracking = _tracking(file, heads.get(_TRACKING, ""), notes)
     stored = _stored_notes(file, heads.get(_NOTES, ""), notes, channels)
-    found = []
+    tracked = []
     for name, (quantity, columns) in channels.items():
         parts = {part: sorted_rows[:, :, place] * factor for part, (place, factor) in columns.items()}
         widths = parts.get("half_width", np.full(sorted_rows.shape[:2], np.nan))
         half: FloatArray | None = parts["half_range"][:, 0] if "half_range" in parts else None
-        found.append(TrackedOrders(
+        tracked.append(TrackedOrders(
             name, quantity, orders, times, numbers[begins, 1] / RPM, (parts["real"] + 1j * parts["imag"]).T, widths.T,
             None if half is None or np.isnan(half).all() else half, heads.get(_REFERENCE, ""), heads.get(_TITLE, ""),
             stored[name], undecided, related, tracking,
         ))  # fmt: skip
-    return tuple(found)
+    return tuple(tracked)
 
 
 def _tracking(file: Path, text: str, notes: Iterable[str]) -> TrackingKernel:
@@ -164,11 +169,11 @@ def _tracking(file: Path, text: str, notes: Iterable[str]) -> TrackingKernel:
     except (ValueError, TypeError, AttributeError) as error:
         raise UsageError(f"the line {_TRACKING} of {file} is damaged: {error}", kind="unreadable-file") from None
     for note in notes:
-        if found := _FILTER.search(note):
-            poles, width, unit = int(found[1]), float(found[2]), found[3]
+        if match := _FILTER.search(note):
+            poles, width, unit = int(match[1]), float(match[2]), match[3]
             return TrackingKernel(width if unit == "Hz" else 0.0, 0.0 if unit == "Hz" else width / 100, poles)
-        if found := _BLOCKS.search(note):
-            cycles, turns = int(found[1]), int(found[2])
+        if match := _BLOCKS.search(note):
+            cycles, turns = int(match[1]), int(match[2])
             return TrackingKernel(revolutions=float(cycles * turns), taper=float(turns))
     return TrackingKernel()
 
@@ -192,7 +197,7 @@ def _notes(lines: Iterable[str], name: str, known: Collection[str]) -> Iterator[
     ['averaged', Note(text='1 pulse missing', severity='note', channel='fly')]
     """
     for line in lines:
-        owner = max((one for one in known if line.startswith(f"{one}: ")), key=len, default="")
+        owner = max((channel for channel in known if line.startswith(f"{channel}: ")), key=len, default="")
         text = line.removeprefix(f"{name}: ")
         rest = text.removeprefix(f"{name}: ")
         if owner == name:
@@ -246,7 +251,7 @@ def _misplaced(file: Path, numbers: FloatArray, lines: Sequence[int], wanted: in
 
 def _channels(file: Path, line: int, heading: list[str]) -> dict[str, tuple[str, dict[str, tuple[int, float]]]]:
     """Quantity of each channel, and the place of each of its columns with the factor to SI."""
-    found: dict[str, tuple[str, dict[str, tuple[int, float]]]] = {}
+    channels: dict[str, tuple[str, dict[str, tuple[int, float]]]] = {}
     faults: list[Fault] = []
     units = {unit: quantity for quantity, unit in QUANTITY_UNITS.items()}
     if tuple(heading[: len(LEADING_COLUMNS)]) != LEADING_COLUMNS:
@@ -260,25 +265,25 @@ def _channels(file: Path, line: int, heading: list[str]) -> dict[str, tuple[str,
         if not match:
             continue
         quantity, factor = units.get(match["unit"]), 1.0
-        for unit, one in units.items():
+        for unit, named in units.items():
             if quantity is None and match["unit"]:
                 try:
-                    quantity, factor = one, float(convert(1, match["unit"], unit))
+                    quantity, factor = named, float(convert(1, match["unit"], unit))
                 except UnitError:
                     continue
-        found.setdefault(match["name"], (quantity or "", {}))[1][match["part"]] = (place, factor)
+        channels.setdefault(match["name"], (quantity or "", {}))[1][match["part"]] = (place, factor)
         if match["unit"] and not quantity:
             faults.append(
                 _heading_fault(file, line, heading, place, f'"{match["unit"]}" is no unit of {_KNOWN}', "unknown-unit")
             )
-    for name, (_, parts) in (found or {"NAME": ("", {})}).items():
+    for name, (_, parts) in (channels or {"NAME": ("", {})}).items():
         if not {"real", "imag"} <= parts.keys():
             text = f"there are no columns {name} real and {name} imag, with a unit in brackets"
             first = min((place for place, _ in parts.values()), default=0)
             faults.append(_heading_fault(file, line, heading, first, text, "missing-column"))
     if faults:
         raise ModelError(faults[:MOST_FAULTS], str(file))
-    return found
+    return channels
 
 
 def _heading_fault(file: Path, line: int, heading: Sequence[str], place: int, text: str, kind: str) -> Fault:
@@ -289,7 +294,7 @@ def _heading_fault(file: Path, line: int, heading: Sequence[str], place: int, te
 def _numbers(file: Path, heading: list[str], body: list[tuple[int, list[str]]]) -> FloatArray:
     """Numbers of all rows, NaN for empty cells of half widths and half ranges."""
     may_lack = [text.endswith("]") and (" half_width [" in text or " half_range [" in text) for text in heading]
-    found, faults = [], []
+    rows, faults = [], []
     for line, cells in body:
         row = []
         for place, text in enumerate(heading):
@@ -309,12 +314,12 @@ def _numbers(file: Path, heading: list[str], body: list[tuple[int, list[str]]]) 
                     )
                 )
                 row = [*row[:place], float("nan")]
-        found.append(row)
+        rows.append(row)
     if faults:
         raise ModelError(faults[:MOST_FAULTS], str(file))
-    if not found:
+    if not rows:
         raise UsageError(f"{file.name} has no rows below its headings", kind="missing-data")
-    return np.array(found)
+    return np.array(rows)
 
 
 # Reading of measured orders from CSV files, tables of order tracking, or files of ``torsionnet orders --csv``.
@@ -381,9 +386,9 @@ def read_orders(path: str | os.PathLike[str], output: Channel, configuration: st
 def tracked_channel(path: str | os.PathLike[str], output: Channel) -> TrackedOrders:
     """Tracked orders (SI) of the channel with the name of an output, or of the only one with its unit."""
     tracked = read_tracked_orders(path)
-    named = [one for one in tracked if one.name == output.name]
-    fitting = named or [one for one in tracked if one.unit == output.unit]
-    names = ", ".join(f"{one.name} in {one.unit}" for one in tracked)
+    named = [channel for channel in tracked if channel.name == output.name]
+    fitting = named or [channel for channel in tracked if channel.unit == output.unit]
+    names = ", ".join(f"{channel.name} in {channel.unit}" for channel in tracked)
     if len(fitting) != 1:
         which = "several channels" if fitting else "no channel"
         raise UsageError(

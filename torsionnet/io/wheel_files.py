@@ -161,20 +161,20 @@ def read_wheel_pattern(path: str | os.PathLike[str]) -> WheelPattern:
     if not isinstance(document.data, dict):
         text = f"this is no wheel pattern; torsionnet calibrate-wheel writes one, with {KEY}: 1, teeth: and positions:"
         raise ModelError([Fault(text, position=document.position(), kind="wrong-file")], file.name)
-    found, faults = WheelPatternFile.read(document.data)
+    pattern, faults = WheelPatternFile.read(document.data)
     faults = [*document.faults, *version_faults(document.data, "wheel pattern"), *faults]
-    if found is None or faults:
+    if pattern is None or faults:
         raise ModelError(located_faults(faults, document), file.name)
-    angles = np.array(found.positions) * UNITS[found.unit]
+    angles = np.array(pattern.positions) * UNITS[pattern.unit]
     return WheelPattern(
         positions=angles[:, 0],
         half_widths=angles[:, 1],
-        missing=found.missing_teeth,
-        name=found.name,
-        first=found.first_tooth,
-        unresolved=tuple(found.unresolved_orders),
-        notes=tuple(found.notes),
-        reversed=found.reversed,
+        missing=pattern.missing_teeth,
+        name=pattern.name,
+        first=pattern.first_tooth,
+        unresolved=tuple(pattern.unresolved_orders),
+        notes=tuple(pattern.notes),
+        reversed=pattern.reversed,
     )
 
 
@@ -212,7 +212,7 @@ def read_wheels(path: str | os.PathLike[str]) -> dict[str, WheelOfTest]:
     >>> import tempfile
     >>> path = Path(tempfile.mkdtemp(), "wheels.yaml")
     >>> _ = path.write_text("n1: {teeth: 60, missing_teeth: 2, clock: 80 MHz, bits: 32}")
-    >>> {name: one.channel.teeth for name, one in read_wheels(path).items()}
+    >>> {name: wheel.channel.teeth for name, wheel in read_wheels(path).items()}
     {'n1': 60}
     """
     file = Path(path)
@@ -223,14 +223,14 @@ def read_wheels(path: str | os.PathLike[str]) -> dict[str, WheelOfTest]:
     except ModelError as error:
         raise ModelError(presentable_faults(error.faults), file.name) from None
     wheels, faults = WHEELS.read(document.data)
-    found: dict[str, WheelOfTest] = {}
+    of_test: dict[str, WheelOfTest] = {}
     for name, wheel in wheels.items():
         pattern, wrong = pattern_of(wheel, file.parent)
         faults = [*faults, *(fault.under(name) for fault in wrong)]
-        found[name] = WheelOfTest(wheel, pattern)
+        of_test[name] = WheelOfTest(wheel, pattern)
     if document.faults or faults:
         raise ModelError(located_faults([*document.faults, *faults], document), file.name)
-    return found
+    return of_test
 
 
 def channels_of(wheels: Mapping[str, WheelOfTest]) -> dict[str, WheelChannel]:
@@ -309,12 +309,12 @@ def read_turning_record(
     indices = {wheel.index: counted_reading(wheel) for wheel in wheels.values() if wheel.index}
     readings: dict[str, PulseReading] = {**indices, **(marks or {}), **wheels}
     stored = pulse_names(path, **{word: reading[word] for word in ("separator", "decimal") if word in reading})
-    sampled = [name for name, one in readings.items() if one.is_of_a_signal and name not in stored]
-    sampled += [one.second for one in readings.values() if one.second]
+    sampled = [name for name, pulse_reading in readings.items() if pulse_reading.is_of_a_signal and name not in stored]
+    sampled += [pulse_reading.second for pulse_reading in readings.values() if pulse_reading.second]
     stamped = {
-        name: counted_reading(one)
-        for name, one in readings.items()
-        if name not in sampled and (name not in stored or one.seconds is not None)
+        name: counted_reading(pulse_reading)
+        for name, pulse_reading in readings.items()
+        if name not in sampled and (name not in stored or pulse_reading.seconds is not None)
     }
     given = dict(reading.pop("quantities", None) or {})
     names = list(dict.fromkeys([*readings, *sampled, *kept]))
@@ -322,17 +322,19 @@ def read_turning_record(
         return _read(path, names, given, sampled, stamped, reading)
     except ModelError as error:
         # What is neither times nor counts may be the signal of teeth, whose unit no quantity of ours has.
-        others = [name for name, one in stamped.items() if one.seconds is None and name in _channels(error.faults)]
+        others = [
+            name for name, pulses in stamped.items() if pulses.seconds is None and name in _channels(error.faults)
+        ]
         if not others:
             raise
-        left = {name: one for name, one in stamped.items() if name not in others}
+        left = {name: pulse_reading for name, pulse_reading in stamped.items() if name not in others}
         try:
-            found = _read(path, names, given, [*sampled, *others], left, reading)
+            record = _read(path, names, given, [*sampled, *others], left, reading)
         except ModelError as second:
             raise (error if {*others} & _channels(second.faults) else second) from None
-        if any(np.mean(np.diff(found[name].values) > 0) >= MOSTLY_RISING for name in others):
+        if any(np.mean(np.diff(record[name].values) > 0) >= MOSTLY_RISING for name in others):
             raise
-        return found
+        return record
 
 
 def _read(

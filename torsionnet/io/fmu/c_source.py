@@ -269,7 +269,7 @@ def _commands() -> dict[Platform, list[str]]:
 def _compiler() -> str | None:
     """Path of the installed C compiler, the one that ``CC`` names first, None if there is none."""
     named = (os.environ.get("CC", ""), *COMPILERS)
-    return next((found for name in named if name and (found := shutil.which(name))), None)
+    return next((compiler for name in named if name and (compiler := shutil.which(name))), None)
 
 
 def _compiled(command: list[str], platform: Platform, folder: Path) -> bytes:
@@ -299,8 +299,8 @@ def _placed(made: Mapping[Platform, bytes], identifier: str, version: str) -> di
         path = f"binaries/{target.folder(version)}/{identifier}{target.suffix}"
         together.setdefault(path, {})[target] = library
     return {
-        path: next(iter(found.values()))
-        if len(found) == 1
-        else universal_binary({target.name.split("-")[0]: library for target, library in found.items()})
-        for path, found in together.items()
+        path: next(iter(libraries.values()))
+        if len(libraries) == 1
+        else universal_binary({target.name.split("-")[0]: library for target, library in libraries.items()})
+        for path, libraries in together.items()
     }

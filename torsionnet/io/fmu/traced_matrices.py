@@ -252,7 +252,7 @@ def _unnumbered(
     drivetrain: Drivetrain, system: System, open_: dict[str, float], derived: dict[str, ProgramNode],
     settled: dict[str, float],
 ) -> Iterator[Variable]:  # fmt: skip
-    channels, found = active_channels(drivetrain), dimensions(drivetrain.parameter_definitions)[0]
+    channels, dimension_of = active_channels(drivetrain), dimensions(drivetrain.parameter_definitions)[0]
     yield Variable("time", "time", "s")
     for name, source in channels.inputs.items():
         yield Variable(name, "input", "N.m", str(source), start=0.0)
@@ -268,11 +268,11 @@ def _unnumbered(
         yield Variable(f"der({state})", "rate", unit, of=reference)
     for role, table in (("parameter", open_), ("derived", derived)):
         for name in table:
-            yield _parameter(drivetrain, name, role, found.get(name))
+            yield _parameter(drivetrain, name, role, dimension_of.get(name))
     text = "in co-simulation: inputs run on from step to step in straight lines; if false, they are held"
     yield Variable("extrapolate_inputs", "flag", description=text)
     for name in settled:
-        yield _parameter(drivetrain, name, "settled", found.get(name))
+        yield _parameter(drivetrain, name, "settled", dimension_of.get(name))
 
 
 def _unit(state: str) -> str:
@@ -343,10 +343,10 @@ def _patterns(system: System) -> tuple[Pattern, Pattern]:
 
 
 def _pattern(system: System, letter: str, rows: int, columns: int) -> Pattern:
-    found = np.zeros((rows, columns), dtype=bool)
+    pattern = np.zeros((rows, columns), dtype=bool)
     for i, j, _ in system.matrices[letter]:
-        found[i, j] = True
-    return found
+        pattern[i, j] = True
+    return pattern
 
 
 def _solved(matrix: Pattern, right: Pattern) -> Pattern:
