@@ -213,8 +213,8 @@ def _where_meant(response: FrequencyResponse, output: int) -> tuple[NDArray[np.b
     All are true in the second if none is.
     """
     is_usable = np.asarray(response.frequencies <= above_noise_up_to(response, output))
-    found = is_usable | is_coherent(response, output)
-    return is_usable, found if found.any() else np.ones_like(found)
+    meant = is_usable | is_coherent(response, output)
+    return is_usable, meant if meant.any() else np.ones_like(meant)
 
 
 def _panels(curves: Sequence[Curve], coherence: bool | None) -> list[str]:
@@ -269,7 +269,7 @@ def _looks(curves: Sequence[Curve]) -> list[dict[str, Any]]:
     if len(set(sides)) < len(sides):
         return [style.line_style(number) for number in range(len(curves))]
     sizes = (len(firsts), len(seconds))
-    return [style.paired_style(firsts.index(one), seconds.index(other), sizes) for one, other in sides]
+    return [style.paired_style(firsts.index(first), seconds.index(other), sizes) for first, other in sides]
 
 
 def _make_room(panel: Axes, sizes: FloatArray, *, decibels: bool, conventions: Conventions) -> None:

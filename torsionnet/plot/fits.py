@@ -33,17 +33,19 @@ HALF_WIDTH = 1.96
 """Half of a 95 % interval in standard deviations of a normal distribution."""
 
 
-def order_column(panels: list[Axes], one: Compared, conventions: Conventions, colours: Mapping[float, str]) -> None:
+def order_column(
+    panels: list[Axes], compared: Compared, conventions: Conventions, colours: Mapping[float, str]
+) -> None:
     """Draw measured orders with intervals and the fitted curves over speed, phases and residuals in three panels."""
-    assert one.orders is not None
-    assert one.speeds is not None
+    assert compared.orders is not None
+    assert compared.speeds is not None
     size, phase, left = panels
-    scale = conventions.scale("rad") if one.unit.startswith("rad") else 1.0
+    scale = conventions.scale("rad") if compared.unit.startswith("rad") else 1.0
     left.axhspan(-2, 2, color=style.FAINT, alpha=0.6, linewidth=0)
-    for order in drawn_orders(one):
-        mine, colour = one.orders == order, colours[order]
-        rpm, measured, fitted = one.speeds[mine] * RPM, one.measured[mine], one.fitted[mine]
-        spread = HALF_WIDTH * one.deviation[mine] * scale
+    for order in drawn_orders(compared):
+        mine, colour = compared.orders == order, colours[order]
+        rpm, measured, fitted = compared.speeds[mine] * RPM, compared.measured[mine], compared.fitted[mine]
+        spread = HALF_WIDTH * compared.deviation[mine] * scale
         points: dict[str, Any] = {"color": colour, "marker": "o", "markersize": 2.5, "linestyle": "none"}
         size.errorbar(
             rpm, np.abs(measured) * scale, yerr=spread, label=f"test, order {order:g}", elinewidth=0.8, **points
@@ -51,32 +53,35 @@ def order_column(panels: list[Axes], one: Compared, conventions: Conventions, co
         curve: dict[str, Any] = {"color": colour, "linewidth": 1.3, **curve_mark(rpm)}
         size.plot(rpm, np.abs(fitted) * scale, **curve)
         phase.plot(rpm, _degrees(fitted), **curve)
-        if one.has_phase:
+        if compared.has_phase:
             phase.plot(rpm, _degrees(measured), color=colour, marker="o", markersize=2.5, linestyle="none")
-            rest = (measured - fitted) / one.deviation[mine]
+            rest = (measured - fitted) / compared.deviation[mine]
             left.plot(rpm, rest.real, color=colour, marker=".", linewidth=0.7)
             left.plot(rpm, rest.imag, color=colour, marker="x", markersize=3, linewidth=0.7, linestyle=":")
         else:
-            rest = (np.abs(measured) - np.abs(fitted)) / one.deviation[mine]
+            rest = (np.abs(measured) - np.abs(fitted)) / compared.deviation[mine]
             left.plot(rpm, rest, color=colour, marker=".", linewidth=0.7)
-    size.set_title(one.name, fontsize=style.FONT)
+    size.set_title(compared.name, fontsize=style.FONT)
     size.set_ylim(bottom=0)
     left.set_xlabel("speed [rpm]")
-    fit_speeds(left, one.speeds * RPM)
+    fit_speeds(left, compared.speeds * RPM)
     for panel in panels:
         style.style_axes(panel)
 
 
 def order_colours(shown: Sequence[Compared]) -> dict[float, str]:
     """Colour of each order that is drawn for any measurement, the same in all panels."""
-    orders = sorted({order for one in shown if one.orders is not None for order in drawn_orders(one)})
+    orders = sorted({order for compared in shown if compared.orders is not None for order in drawn_orders(compared)})
     return {order: style.PALETTE[number % len(style.PALETTE)] for number, order in enumerate(orders)}
 
 
-def drawn_orders(one: Compared) -> list[float]:
+def drawn_orders(compared: Compared) -> list[float]:
     """Orders of a measurement that are drawn, rising: those with the largest amplitudes in the test."""
-    assert one.orders is not None
-    peaks = {order: float(np.abs(one.measured[one.orders == order]).max()) for order in np.unique(one.orders).tolist()}
+    assert compared.orders is not None
+    peaks = {
+        order: float(np.abs(compared.measured[compared.orders == order]).max())
+        for order in np.unique(compared.orders).tolist()
+    }
     return sorted(sorted(peaks, key=lambda order: -peaks[order])[:MOST_ORDERS])
 
 
@@ -126,25 +131,25 @@ def fit(result: Fit, *, conventions: Conventions = SI, title: str | None = None,
         raise UsageError("the fit holds no measurement to plot", kind="missing-data")
     width = max(style.WIDTH, 2.6 * len(shown))
     # Outputs of orders differ in size and unit, responses of one sensor do not.
-    alike = len(shown) == 1 or all(one.orders is None for one in shown)
+    alike = len(shown) == 1 or all(compared.orders is None for compared in shown)
     colours = order_colours(shown)
-    shows = [f"{what} of {one.name}" for what in ("magnitude", "phase", "residuals") for one in shown]
+    shows = [f"{what} of {compared.name}" for what in ("magnitude", "phase", "residuals") for compared in shown]
     sheet, panels = style.grid_panels(
         width, 5.6, shows, ax, columns=len(shown), sharex="col", sharey="row" if alike else False,
         gridspec_kw={"height_ratios": HEIGHTS},
     )  # fmt: skip
-    for column, one in enumerate(shown):
-        if one.orders is None:
-            _column([row[column] for row in panels], one, conventions)
+    for column, compared in enumerate(shown):
+        if compared.orders is None:
+            _column([row[column] for row in panels], compared, conventions)
         else:
-            order_column([row[column] for row in panels], one, conventions, colours)
-    for column, one in enumerate(shown if not alike else shown[:1]):
-        for row, label in zip(panels, _labels(one, conventions), strict=True):
+            order_column([row[column] for row in panels], compared, conventions, colours)
+    for column, compared in enumerate(shown if not alike else shown[:1]):
+        for row, label in zip(panels, _labels(compared, conventions), strict=True):
             row[column].set_ylabel(label)
         size = panels[0][column]
-        if one.orders is None:
+        if compared.orders is None:
             style.log_ticks(size.yaxis, *size.get_ylim())
-        drawn = shown if alike else [one]
+        drawn = shown if alike else [compared]
         every = np.concatenate([_shown_phases(each) for each in drawn])
         style.phase_ticks(panels[1][column], float(every.min()), float(every.max()))
     handles, names = _legend([axes for row in (panels[0], panels[2]) for axes in row])
@@ -184,51 +189,53 @@ def correlation(result: Fit, *, title: str | None = None, ax: Axes | None = None
     return sheet.titled(result.title if title is None else title)
 
 
-def _column(panels: list[Axes], one: Compared, conventions: Conventions) -> None:
+def _column(panels: list[Axes], compared: Compared, conventions: Conventions) -> None:
     size, phase, left = panels
-    scale = conventions.scale("rad") ** (("rad" in one.unit.partition("/")[0]) - ("rad" in one.unit.partition("/")[2]))
-    f = one.frequencies * conventions.frequency_scale
+    scale = conventions.scale("rad") ** (
+        ("rad" in compared.unit.partition("/")[0]) - ("rad" in compared.unit.partition("/")[2])
+    )
+    f = compared.frequencies * conventions.frequency_scale
     test = {"color": style.PALETTE[1], "marker": "o", "markersize": 3.0, "linestyle": "none"}
-    size.plot(f, np.abs(one.measured) * scale, label="test", **test)  # type: ignore[arg-type]
-    size.plot(f, np.abs(one.fitted) * scale, label="model, estimated alike", color=style.PALETTE[0], linewidth=1.4)
-    phase.plot(f, _phase(one.fitted), color=style.PALETTE[0], linewidth=1.4)
+    size.plot(f, np.abs(compared.measured) * scale, label="test", **test)  # type: ignore[arg-type]
+    size.plot(f, np.abs(compared.fitted) * scale, label="model, estimated alike", color=style.PALETTE[0], linewidth=1.4)
+    phase.plot(f, _phase(compared.fitted), color=style.PALETTE[0], linewidth=1.4)
     left.axhspan(-2, 2, color=style.FAINT, alpha=0.6, linewidth=0)
-    if one.has_phase:
-        phase.plot(f, _phase(one.measured), **test)  # type: ignore[arg-type]
-        rest = (one.measured - one.fitted) / one.deviation
+    if compared.has_phase:
+        phase.plot(f, _phase(compared.measured), **test)  # type: ignore[arg-type]
+        rest = (compared.measured - compared.fitted) / compared.deviation
         left.plot(f, rest.real, color=style.PALETTE[2], marker=".", linewidth=0.8, label="residual, real part")
         left.plot(f, rest.imag, color=style.PALETTE[3], marker=".", linewidth=0.8, label="imaginary part")
     else:
-        larger = (np.abs(one.measured) - np.abs(one.fitted)) / one.deviation
+        larger = (np.abs(compared.measured) - np.abs(compared.fitted)) / compared.deviation
         left.plot(f, larger, color=style.PALETTE[2], marker=".", linewidth=0.8, label="residual of the magnitude")
     size.set_yscale("log")
-    size.set_title(one.name, fontsize=style.FONT)
+    size.set_title(compared.name, fontsize=style.FONT)
     left.set_xlabel(f"frequency [{conventions.frequency}]")
     for panel in panels:
         style.style_axes(panel)
 
 
-def _shown_phases(one: Compared) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+def _shown_phases(compared: Compared) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     """Phases in degrees that the panel of a measurement shows; those of orders are not unwrapped."""
-    values = one.measured if one.has_phase else one.fitted
-    return _phase(values) if one.orders is None else np.array([-180.0, 180.0])
+    values = compared.measured if compared.has_phase else compared.fitted
+    return _phase(values) if compared.orders is None else np.array([-180.0, 180.0])
 
 
 def _legend(axes: list[Axes]) -> tuple[list[Any], list[str]]:
     """Handles and texts of a legend for all panels, each text once."""
-    found: dict[str, Any] = {}
-    for one in axes:
-        for handle, name in zip(*one.get_legend_handles_labels(), strict=True):
-            found.setdefault(name, handle)
-    return list(found.values()), list(found)
+    by_text: dict[str, Any] = {}
+    for panel in axes:
+        for handle, name in zip(*panel.get_legend_handles_labels(), strict=True):
+            by_text.setdefault(name, handle)
+    return list(by_text.values()), list(by_text)
 
 
 def _phase(values: np.ndarray[tuple[int], np.dtype[np.complex128]]) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     return np.unwrap(np.degrees(np.angle(values)), period=360)
 
 
-def _labels(one: Compared, conventions: Conventions) -> tuple[str, str, str]:
-    unit = typeset_unit(one.unit.replace("rad", conventions.angle)) if one.unit != "1" else "-"
-    if one.orders is not None:
+def _labels(compared: Compared, conventions: Conventions) -> tuple[str, str, str]:
+    unit = typeset_unit(compared.unit.replace("rad", conventions.angle)) if compared.unit != "1" else "-"
+    if compared.orders is not None:
         return f"peak amplitude [{unit}]", "phase [deg]", "(test - model)\nover noise [-]"
     return f"magnitude [{unit}]", "phase [deg]", "(test - model)\nover noise [-]"

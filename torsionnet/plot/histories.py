@@ -151,21 +151,21 @@ def passage_response(
     """
     runs = [response] if isinstance(response, PassageResponse) else list(response)
     given = [limits] * len(runs) if limits is None or isinstance(limits, Mapping) else list(limits)
-    passages = [_Passage.of(one, output, lines or {}) for one, lines in zip(runs, given, strict=True)]
+    passages = [_Passage.of(run, output, lines or {}) for run, lines in zip(runs, given, strict=True)]
     channel = passages[0].channel
-    scale, unit = axis_unit(channel.unit, max(one.largest for one in passages), conventions)
-    shows = [f"{what} of {one.title}" for what in (channel.name, "speed") for one in runs]
+    scale, unit = axis_unit(channel.unit, max(passage.largest for passage in passages), conventions)
+    shows = [f"{what} of {run.title}" for what in (channel.name, "speed") for run in runs]
     sheet, panels = style.grid_panels(
         style.WIDTH, 4.0 if len(runs) == 1 else 3.4, shows, ax, columns=len(runs), sharex="col", sharey="row",
         height_ratios=[3, 1],
     )  # fmt: skip
-    for place, one in enumerate(passages):
+    for place, passage in enumerate(passages):
         panel, below = panels[:, place]
-        _draw(panel, one, scale)
+        _draw(panel, passage, scale)
         style.style_axes(below)
-        below.plot(one.run.times, one.run.rpm, color=style.INK, linewidth=1.4)
+        below.plot(passage.run.times, passage.run.rpm, color=style.INK, linewidth=1.4)
         below.set_xlabel("time [s]")
-        below.set_xlim(one.run.times[0], one.run.times[-1])
+        below.set_xlim(passage.run.times[0], passage.run.times[-1])
     panels[0, 0].set_ylabel(f"{channel.name} [{unit}]")
     panels[1, 0].set_ylabel("speed [rpm]")
     if len(passages) == 1:
@@ -198,22 +198,24 @@ class _Passage:
         return max([float(np.abs(self.values).max()), *(float(np.nanmax(line)) for line in self.limits.values())])
 
 
-def _draw(panel: Axes, one: _Passage, scale: float) -> None:
+def _draw(panel: Axes, passage: _Passage, scale: float) -> None:
     """Draw the vibration of a passage, or the area between its envelopes, its half range, and limits on both sides."""
     style.style_axes(panel)
-    run = one.run
-    if cycles_above(one.values, 0.0) <= MOST_CYCLES_DRAWN:
-        panel.plot(*thin_out(run.times, one.values * scale), color=style.PALETTE[0], linewidth=0.6, label="vibration")
+    run = passage.run
+    if cycles_above(passage.values, 0.0) <= MOST_CYCLES_DRAWN:
+        panel.plot(
+            *thin_out(run.times, passage.values * scale), color=style.PALETTE[0], linewidth=0.6, label="vibration"
+        )
     else:
-        times, low, high = run.bounds(one.channel.name)
+        times, low, high = run.bounds(passage.channel.name)
         panel.fill_between(
             times, low * scale, high * scale, color=style.PALETTE[0], alpha=BAND_ALPHA, linewidth=0, label="vibration"
         )
         for edge in (low, high):
             panel.plot(*thin_out(times, edge * scale), color=style.PALETTE[0], linewidth=0.8)
-    times, sizes = run.envelope(one.channel.name)
+    times, sizes = run.envelope(passage.channel.name)
     panel.plot(*thin_out(times, sizes * scale), color=style.INK, linewidth=1.6, label="half range in a cycle")
-    for number, (name, line) in enumerate(one.limits.items()):
+    for number, (name, line) in enumerate(passage.limits.items()):
         dashes = LIMIT_DASHES[number % len(LIMIT_DASHES)]
         for sign in (1, -1):
             panel.plot(

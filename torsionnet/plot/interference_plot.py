@@ -69,13 +69,17 @@ def interference_diagram(
     sheet, axes = style.one_panel(HEIGHT, ax)
     low, high = (speed * RPM for speed in result.speed_range)
     # Crossings that are neither excited nor in the range or its margin do not lengthen the axes.
-    near = [one for one in result.crossings if one.excited is not False or one.margin <= (one.required or 0.0)]
+    near = [
+        crossing
+        for crossing in result.crossings
+        if crossing.excited is not False or crossing.margin <= (crossing.required or 0.0)
+    ]
     counted = near or result.crossings
-    speeds = [speed for one in counted if math.isfinite(speed := _speed(one))]
+    speeds = [speed for crossing in counted if math.isfinite(speed := _speed(crossing))]
     end = 1.06 * max([high, *speeds])
-    met = {one.mode.number for one in counted}
+    met = {crossing.mode.number for crossing in counted}
     # Modes that follow the speed have other frequencies at their crossings than at the operating point.
-    tops = [_natural(one.mode) for one in counted]
+    tops = [_natural(crossing.mode) for crossing in counted]
     tops += [_natural(mode) for mode in result.modes if mode.number in met or (mode is result.modes[0] and not met)]
     if not tops:  # nothing vibrates: the lines of the orders alone
         tops = [float(np.abs(line.frequency(np.array(result.speed_range))).max()) for line in result.lines] or [1.0]
@@ -86,7 +90,7 @@ def interference_diagram(
     _shade(axes, result, low, high)
     _modes(axes, result, top)
     _orders(axes, result, top, end)
-    _marks(axes, [one for one in result.crossings if _natural(one.mode) <= top], _names(result))
+    _marks(axes, [crossing for crossing in result.crossings if _natural(crossing.mode) <= top], _names(result))
     axes.set_xlabel(speed_label(result.reference))
     axes.set_ylabel("frequency [Hz]")
     axes.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(0, -0.1), ncols=3)
@@ -117,7 +121,7 @@ def _share(axes: Axes, speed: float, frequency: float) -> tuple[float, float]:
 
 def _names(result: CriticalSpeeds) -> list[str]:
     """List of the names of the excitations of an interference diagram, in the order of their colours."""
-    return list(dict.fromkeys(one.excitation for one in result.lines))
+    return list(dict.fromkeys(line.excitation for line in result.lines))
 
 
 def _natural(mode: VibrationMode) -> float:
@@ -125,13 +129,13 @@ def _natural(mode: VibrationMode) -> float:
     return mode.undamped_frequency if math.isnan(mode.natural_frequency) else mode.natural_frequency
 
 
-def _speed(one: CriticalSpeed) -> float:
-    overdamped = math.isnan(one.mode.natural_frequency)
-    return (one.undamped_speed if overdamped else one.natural_speed) * RPM
+def _speed(crossing: CriticalSpeed) -> float:
+    overdamped = math.isnan(crossing.mode.natural_frequency)
+    return (crossing.undamped_speed if overdamped else crossing.natural_speed) * RPM
 
 
 def _shade(axes: Axes, result: CriticalSpeeds, low: float, high: float) -> None:
-    margins = [one.required for one in result.crossings if one.required]
+    margins = [crossing.required for crossing in result.crossings if crossing.required]
     axes.axvspan(low, high, color=style.PALETTE[5], alpha=0.18, linewidth=0, label="operating range")
     if margins:
         widest = max(margins)
@@ -147,7 +151,9 @@ def _modes(axes: Axes, result: CriticalSpeeds, top: float) -> None:
             axes.axhline(mode.undamped_frequency, color=style.MUTED, linewidth=0.9, linestyle=(0, (5, 3)), zorder=1.5,
                          label="undamped natural frequency" if first else None)  # fmt: skip
             first = False
-    shown = sorted((one for one in result.modes if one.natural_frequency <= top), key=lambda one: one.natural_frequency)
+    shown = sorted(
+        (mode for mode in result.modes if mode.natural_frequency <= top), key=lambda mode: mode.natural_frequency
+    )
     for number, mode in enumerate(shown):
         axes.axhline(mode.natural_frequency, color=style.INK, linewidth=1.4, zorder=1.6,
                      label=r"damped, $|\lambda|/2\pi$" if not number else None)  # fmt: skip
@@ -175,10 +181,10 @@ def _label_places(values: Sequence[float], gap: float) -> list[tuple[float, bool
 
 def _apart(values: Sequence[float], gap: float) -> list[float]:
     """List of label positions in the unit of rising values, moved up until neighbours are at least ``gap`` apart."""
-    found: list[float] = []
+    places: list[float] = []
     for value in values:
-        found.append(max(value, found[-1] + gap) if found else value)
-    return found
+        places.append(max(value, places[-1] + gap) if places else value)
+    return places
 
 
 def _orders(axes: Axes, result: CriticalSpeeds, top: float, end: float) -> None:
@@ -186,7 +192,7 @@ def _orders(axes: Axes, result: CriticalSpeeds, top: float, end: float) -> None:
     names = _names(result)
     labelled: list[tuple[float, float]] = []
     speeds = np.linspace(axes.get_xlim()[0], end, SPEED_POINTS)
-    for line in sorted(result.lines, key=lambda one: (one.order <= 0, one.order != round(one.order), one.order)):
+    for line in sorted(result.lines, key=lambda line: (line.order <= 0, line.order != round(line.order), line.order)):
         frequencies = np.abs(line.frequency(speeds / RPM))
         seen = np.flatnonzero(frequencies <= top)
         if not len(seen):
@@ -207,21 +213,23 @@ def _orders(axes: Axes, result: CriticalSpeeds, top: float, end: float) -> None:
 
 
 def _label(result: CriticalSpeeds, name: str) -> str:
-    ordered = any(one.order for one in result.lines if one.excitation == name)
+    ordered = any(line.order for line in result.lines if line.excitation == name)
     return f"orders of {name}" if ordered else name
 
 
 def _marks(axes: Axes, crossings: list[CriticalSpeed], names: list[str]) -> None:
-    shown = [one for one in crossings if math.isfinite(_speed(one))]
-    largest = max((one.generalised_force for one in shown if one.excited and one.generalised_force > 0), default=1.0)
+    shown = [crossing for crossing in crossings if math.isfinite(_speed(crossing))]
+    largest = max(
+        (speed.generalised_force for speed in shown if speed.excited and speed.generalised_force > 0), default=1.0
+    )
     for excited, marker in ((True, "o"), (False, "x")):
-        here = [one for one in shown if bool(one.excited) is excited]
+        here = [crossing for crossing in shown if bool(crossing.excited) is excited]
         if not here:
             continue
-        sizes = [np.nan_to_num(one.generalised_force) / largest for one in here]
+        sizes = [np.nan_to_num(crossing.generalised_force) / largest for crossing in here]
         areas = [SMALLEST_DOT + (LARGEST_DOT - SMALLEST_DOT) * size * excited for size in sizes]
-        colors = [style.PALETTE[names.index(one.excitation) % len(style.PALETTE)] for one in here]
-        axes.scatter([_speed(one) for one in here], [_natural(one.mode) for one in here], s=areas, marker=marker,
-                     c=colors, linewidths=0.9, alpha=0.8, zorder=3)  # fmt: skip
+        colors = [style.PALETTE[names.index(crossing.excitation) % len(style.PALETTE)] for crossing in here]
+        speeds, frequencies = map(_speed, here), (_natural(crossing.mode) for crossing in here)
+        axes.scatter([*speeds], [*frequencies], s=areas, marker=marker, c=colors, linewidths=0.9, alpha=0.8, zorder=3)
         label = "excited; area: generalised force" if excited else "not excited in this condition"
         axes.scatter([], [], s=36, marker=marker, color=style.INK, linewidths=0.9, label=label)

@@ -79,7 +79,7 @@ def limit_check(
     shows = [f"{verdicts[0].limit}, {verdicts[0].quantity}" for verdicts in panels]
     sheet, axes = style.stacked_panels(0.8 + 2.6 * len(panels), shows, ax)
     for panel, verdicts in zip(axes, panels, strict=True):
-        own = [one for one in measured if any(one.limited is verdict for verdict in verdicts)]
+        own = [test for test in measured if any(test.limited is verdict for verdict in verdicts)]
         _draw(panel, result, verdicts, most, conventions, own)
     axes[-1].set_xlabel(speed_label(result.reference))
     if len(result.rpm) > 1:
@@ -89,22 +89,22 @@ def limit_check(
 
 def _panels(check: LimitCheck, names: Sequence[str] | None) -> list[list[LimitVerdict]]:
     """List with the verdicts on limits of each panel, as a list of all verdicts of one limit on one quantity."""
-    known = {one.limit for one in check.verdicts}
+    known = {verdict.limit for verdict in check.verdicts}
     for name in names or ():
         if name not in known:
             raise UsageError(
                 f'no limit "{name}" was checked; there are {", ".join(sorted(known))}', kind="unknown-name"
             )
-    found: dict[tuple[str, str], list[LimitVerdict]] = {}
-    for one in check.verdicts:
-        if len(one.values) and (names is None or one.limit in names):
-            found.setdefault((one.limit, one.quantity), []).append(one)
-    if not found:
+    panels: dict[tuple[str, str], list[LimitVerdict]] = {}
+    for verdict in check.verdicts:
+        if len(verdict.values) and (names is None or verdict.limit in names):
+            panels.setdefault((verdict.limit, verdict.quantity), []).append(verdict)
+    if not panels:
         raise UsageError(
             "nothing to draw: none of these limits could be judged; the table of limits says why",
             kind="missing-data",
         )
-    return list(found.values())
+    return list(panels.values())
 
 
 def _draw(
@@ -116,10 +116,10 @@ def _draw(
     measured: Sequence[MeasuredRange],
 ) -> None:
     first = verdicts[0]
-    known = [np.nanmax(one.allowed) for one in verdicts if np.isfinite(one.allowed).any()]
-    sizes = [float(one.measured.max()) for one in measured]
+    known = [np.nanmax(verdict.allowed) for verdict in verdicts if np.isfinite(verdict.allowed).any()]
+    sizes = [float(test.measured.max()) for test in measured]
     scale, unit = axis_unit(first.unit, float(max([*known, first.values.max(), *sizes])), conventions)
-    for number, span in enumerate(span for one in verdicts for span in one.barred):
+    for number, span in enumerate(span for verdict in verdicts for span in verdict.barred):
         label = None if number else "to be barred"
         panel.axvspan(span.low * RPM, span.high * RPM, color=style.LIMIT_COLOR, alpha=0.12, linewidth=0, label=label)
     panel.plot(
@@ -133,17 +133,17 @@ def _draw(
         for number, line in enumerate(np.argsort(-first.orders.max(axis=0), kind="stable")[:most].tolist()):
             amplitudes = first.orders[:, line] * scale
             panel.plot(check.rpm, amplitudes, label=check.lines[line], **style.line_style(number))
-    for number, one in enumerate(verdicts):
+    for number, verdict in enumerate(verdicts):
         dashes = LIMIT_DASHES[number % len(LIMIT_DASHES)]
         panel.plot(
             check.rpm,
-            one.allowed * scale,
+            verdict.allowed * scale,
             color=style.LIMIT_COLOR,
             linestyle=dashes,
             linewidth=1.6,
-            label=one.criterion,
+            label=verdict.criterion,
         )
-    for test in {one.channel: one for one in measured}.values():
+    for test in {test.channel: test for test in measured}.values():
         panel.plot(test.speeds * RPM, test.measured * scale, label=f"test, {test.channel}", **DOTS)
     panel.set_title(f"{first.limit}: {first.of}, {first.quantity}", fontsize=style.FONT, color=style.INK, loc="left")
     panel.set_ylabel(axis_label(quantity_label(first), unit, LABEL_WIDTH))
@@ -151,10 +151,10 @@ def _draw(
     style.legend_beside(panel)
 
 
-def quantity_label(one: LimitVerdict) -> str:
+def quantity_label(verdict: LimitVerdict) -> str:
     """Text with the name of the quantity that a limit restricts, with the output if the name does not tell it."""
-    says = any(word in one.quantity for word in ("torque", "stress", "angle", "power"))
-    return one.quantity if says else f"{one.of}, {one.quantity}"
+    says = any(word in verdict.quantity for word in ("torque", "stress", "angle", "power"))
+    return verdict.quantity if says else f"{verdict.of}, {verdict.quantity}"
 
 
 # Plot of limited quantities over speed in all conditions, the worst one in black, others in grey, limits in red.
@@ -234,7 +234,7 @@ def limit_families(
         )
     columns = min(2, len(families))
     height = 0.3 * bool(title) + (PANEL_HEIGHT if columns > 1 else 3.0) * math.ceil(len(families) / columns)
-    shows = [f"{first.limit}, {first.quantity}" for first in (one.members[0][1][0] for one in families)]
+    shows = [f"{first.limit}, {first.quantity}" for first in (family.members[0][1][0] for family in families)]
     sheet, _ = style.grid_panels(style.WIDTH, height, shows, ax, columns=columns)
     for panel, family in zip(sheet.panels, families, strict=True):
         _draw_family(panel, family, conventions)
@@ -243,31 +243,31 @@ def limit_families(
 
 def families_of(checks: Sequence[LimitCheck], names: set[str] | None = None) -> list[LimitFamily]:
     """List of curve families of limits on vibration, one for each limit and quantity, in the order of the model."""
-    found: dict[tuple[str, str], dict[int, list[LimitVerdict]]] = {}
+    families: dict[tuple[str, str], dict[int, list[LimitVerdict]]] = {}
     for place, check in enumerate(checks):
-        for one in vibratory_verdicts(check):
-            if (names is None or one.limit in names) and one.worst is not None:
-                found.setdefault((one.limit, one.quantity), {}).setdefault(place, []).append(one)
+        for verdict in vibratory_verdicts(check):
+            if (names is None or verdict.limit in names) and verdict.worst is not None:
+                families.setdefault((verdict.limit, verdict.quantity), {}).setdefault(place, []).append(verdict)
     return [
         LimitFamily(tuple((checks[place], tuple(verdicts)) for place, verdicts in members.items()))
-        for members in found.values()
+        for members in families.values()
     ]
 
 
-def _use(one: LimitVerdict) -> float:
-    return -1.0 if one.worst is None else float(one.utilisation[one.worst])
+def _use(verdict: LimitVerdict) -> float:
+    return -1.0 if verdict.worst is None else float(verdict.utilisation[verdict.worst])
 
 
 def _draw_family(panel: Axes, family: LimitFamily, conventions: Conventions) -> None:
     check, verdicts = family.members[family.worst]
     first = verdicts[0]
     largest = max(float(np.nanmax(some[0].values)) for _, some in family.members)
-    tops = [float(np.nanmax(one.allowed)) for one in verdicts]
+    tops = [float(np.nanmax(verdict.allowed)) for verdict in verdicts]
     scale, unit = axis_unit(first.unit, max(largest, min(tops)), conventions)
     near = [top for top in tops if top <= FARTHEST_LIMIT * max(largest, min(tops))]
     top = HEADROOM * max([largest, *near]) * scale
     style.style_axes(panel)
-    for span in (span for one in verdicts for span in one.barred):
+    for span in (span for verdict in verdicts for span in verdict.barred):
         panel.axvspan(span.low * RPM, span.high * RPM, color=style.LIMIT_COLOR, alpha=0.08, linewidth=0)
     others = [member for place, member in enumerate(family.members) if place != family.worst]
     for number, (other, some) in enumerate(others):
@@ -275,8 +275,8 @@ def _draw_family(panel: Axes, family: LimitFamily, conventions: Conventions) -> 
         panel.plot(other.rpm, some[0].values * scale, color="#b3b3b3", linewidth=0.8, label=label, zorder=1.8)
     name = condition_words(check.configuration) or "all orders together"
     panel.plot(check.rpm, first.values * scale, color=style.INK, linewidth=1.8, label=name, zorder=2.5)
-    for one in verdicts:
-        _limit_line(panel, check, one, scale, top)
+    for verdict in verdicts:
+        _limit_line(panel, check, verdict, scale, top)
     panel.set_title(first.limit.replace("_", " "), fontsize=style.FONT, color=style.INK, loc="left", pad=25)
     panel.set_ylabel(axis_label(quantity_label(first), unit, FAMILY_LABEL_WIDTH), fontsize=style.SMALL)
     panel.set_xlabel(speed_label(check.reference), fontsize=style.SMALL)
@@ -289,19 +289,19 @@ def _draw_family(panel: Axes, family: LimitFamily, conventions: Conventions) -> 
                  bbox_to_anchor=(-0.02, 0.98), ncols=1, borderpad=0.2, labelspacing=0.2)  # fmt: skip
 
 
-def _limit_line(panel: Axes, check: LimitCheck, one: LimitVerdict, scale: float, top: float) -> None:
+def _limit_line(panel: Axes, check: LimitCheck, verdict: LimitVerdict, scale: float, top: float) -> None:
     """Draw the line of a limit over speed in red, with its symbol where the line is farthest from the curve."""
-    allowed = one.allowed * scale
+    allowed = verdict.allowed * scale
     panel.plot(check.rpm, allowed, color=style.LIMIT_COLOR, linewidth=1.3, zorder=2.2)
     shown = np.flatnonzero(np.isfinite(allowed) & (allowed < top))
     if len(shown):
-        at = int(shown[np.argmax(np.abs(allowed - one.values * scale)[shown])])
+        at = int(shown[np.argmax(np.abs(allowed - verdict.values * scale)[shown])])
         right = check.rpm[at] > check.rpm.mean()
-        place, text = (float(check.rpm[at]), float(allowed[at])), symbol(one.criterion)
+        place, text = (float(check.rpm[at]), float(allowed[at])), symbol(verdict.criterion)
     else:
         right = True
         lowest = float(np.nanmin(allowed))
-        place, text = (float(check.rpm[-1]), top), f"{symbol(one.criterion)} from {lowest:.3g} on"
+        place, text = (float(check.rpm[-1]), top), f"{symbol(verdict.criterion)} from {lowest:.3g} on"
     above = place[1] < 0.9 * top
     panel.annotate(text, place, xytext=(-3 if right else 3, 2 if above else -2), textcoords="offset points",
                    ha="right" if right else "left", va="bottom" if above else "top", color=style.LIMIT_COLOR,

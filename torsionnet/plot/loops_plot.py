@@ -47,11 +47,11 @@ def torque_loops(
         panel.plot(*around, color=colour, linewidth=0.9, label=label)
         panel.plot(twist, loop.spring_line, color=colour, linewidth=1.3, linestyle="--")
         begins = [
-            (1 if one.side == "drive" else -1) * one.begins.value
-            for one in loop.stages
-            if one.begins is not None and one.side != "both"
+            (1 if stage.side == "drive" else -1) * stage.begins.value
+            for stage in loop.stages
+            if stage.begins is not None and stage.side != "both"
         ]
-        at = np.array([one for one in begins if loop.twist[0] <= one <= loop.twist[-1]])
+        at = np.array([begin for begin in begins if loop.twist[0] <= begin <= loop.twist[-1]])
         panel.plot(at * scale, np.interp(at, loop.twist, loop.spring_line), "o", color=colour, markersize=4)
     panel.set_xlabel(f"twist [{conventions.unit('rad')}]")
     panel.set_ylabel("torque [N·m]")

@@ -358,18 +358,19 @@ def operational_modes(modes: OperationalModes, *, title: str | None = None, ax: 
     return sheet.titled(_heading(modes) if title is None else title)
 
 
-def _heading(found: OperationalModes) -> str:
+def _heading(operational: OperationalModes) -> str:
     modes = ", ".join(
-        f"{f:.4g} Hz ({100 * z:.3g} %)" for f, z in zip(found.natural_frequencies, found.damping_ratios, strict=True)
+        f"{f:.4g} Hz ({100 * z:.3g} %)"
+        for f, z in zip(operational.natural_frequencies, operational.damping_ratios, strict=True)
     )
-    return f"{found.title}: {modes}".removeprefix(": ")
+    return f"{operational.title}: {modes}".removeprefix(": ")
 
 
-def _swept(axes: Axes, fit: SweptFit, found: OperationalModes) -> None:
+def _swept(axes: Axes, fit: SweptFit, operational: OperationalModes) -> None:
     at = fit.frequencies
     axes.plot(at, np.abs(fit.measured), ".", color=style.INK, markersize=4, label=f"order {fit.order:g}, measured")
     axes.plot(at, np.abs(fit.fitted), color=style.PALETTE[0], linewidth=1.2, label="swept fit")
-    for mode, (frequency, steady) in enumerate(zip(found.natural_frequencies, fit.steady, strict=True)):
+    for mode, (frequency, steady) in enumerate(zip(operational.natural_frequencies, fit.steady, strict=True)):
         label = "the mode at steady speeds" if not mode else None
         axes.plot(fit.steady_frequencies, np.abs(steady), "--", color=style.PALETTE[1], linewidth=1.2, label=label)
         axes.axvline(frequency, color=style.MUTED, linewidth=0.8)
@@ -395,14 +396,14 @@ def _decay(axes: Axes, fit: DecayFit) -> None:
     axes.set_xlabel("time [s]")
 
 
-def _stable(axes: Axes, poles: AmbientPoles, found: OperationalModes) -> None:
+def _stable(axes: Axes, poles: AmbientPoles, operational: OperationalModes) -> None:
     frequencies = np.abs(poles.poles) / (2 * np.pi)
     new = ~poles.stable
     axes.plot(frequencies[new], poles.orders[new], "x", color=style.MUTED, markersize=5, label="pole")
     axes.plot(
         frequencies[poles.stable], poles.orders[poles.stable], "P", color=style.PALETTE[2], markersize=5, label="stable"
     )
-    for mode, frequency in enumerate(found.natural_frequencies):
+    for mode, frequency in enumerate(operational.natural_frequencies):
         axes.axvline(
             frequency, color=style.PALETTE[1], linewidth=1.0, label="mode (or order)" if not mode else None, zorder=0
         )

@@ -75,28 +75,28 @@ def order_overlay(
         for name, orders in measured.items()
     }
     shown = [
-        (name, found, phase)
-        for name, found in pairs.items()
+        (name, compared, phase)
+        for name, compared in pairs.items()
         for phase in (False, True)
-        if not phase or any(one.pair.has_phase for one in found)
+        if not phase or any(order.pair.has_phase for order in compared)
     ]
     ratios = [0.6 if phase else 1.0 for *_, phase in shown]
     shows = [f"phase of {name}" if phase else name for name, _, phase in shown]
     sheet, panels = style.stacked_panels(0.8 + 2.6 * sum(ratios), shows, ax, shares=ratios)
-    for panel, (name, found, phase) in zip(panels, shown, strict=True):
+    for panel, (name, compared, phase) in zip(panels, shown, strict=True):
         if phase:
-            _phases(panel, found)
+            _phases(panel, compared)
             continue
         unit = response.outputs[response.output(name)].unit
-        largest = max(float(max(one.curve.max(), one.measured.amplitude.max())) for one in found)
+        largest = max(float(max(order.curve.max(), order.measured.amplitude.max())) for order in compared)
         scale, words = axis_unit(unit, largest, conventions)
-        _amplitudes(panel, found, scale)
+        _amplitudes(panel, compared, scale)
         panel.set_ylabel(f"{name} [{words}]")
         panel.set_ylim(0, HEADROOM * largest * scale or None)
         style.legend_beside(panel)
     panels[-1].set_xlabel(speed_label(response.reference))
-    everything = [one for found in pairs.values() for one in found]
-    drawn = [speeds for one in everything for speeds in (one.pair.curve_speeds, one.measured.speeds)]
+    everything = [order for compared in pairs.values() for order in compared]
+    drawn = [speeds for order in everything for speeds in (order.pair.curve_speeds, order.measured.speeds)]
     fit_speeds(panels[-1], np.concatenate(drawn) * RPM)
     return sheet.titled(response.title if title is None else title)
 
@@ -104,39 +104,39 @@ def order_overlay(
 def _strongest(pairs: Sequence[ComparedOrder]) -> list[ComparedOrder]:
     """Orders of a panel with the largest amplitudes, in their order."""
 
-    def size(one: ComparedOrder) -> float:
-        width = one.pair.half_widths
-        seen = one.measured.amplitude - (0.0 if width is None or len(width) != len(one.measured.amplitude) else width)
-        return float(max(np.nanmax(np.abs(one.pair.curve)), np.nanmax(seen)))
+    def size(o: ComparedOrder) -> float:
+        width = o.pair.half_widths
+        seen = o.measured.amplitude - (0.0 if width is None or len(width) != len(o.measured.amplitude) else width)
+        return float(max(np.nanmax(np.abs(o.pair.curve)), np.nanmax(seen)))
 
-    sizes = [size(one) for one in pairs]
+    sizes = [size(order) for order in pairs]
     kept = sorted(range(len(pairs)), key=lambda place: -sizes[place])[:MOST_ORDERS]
     return [pairs[place] for place in sorted(kept)]
 
 
 def _amplitudes(panel: Axes, pairs: Sequence[ComparedOrder], scale: float) -> None:
-    for number, one in enumerate(pairs):
+    for number, order in enumerate(pairs):
         drawn = style.line_style(number)
-        rpm, label = one.measured.speeds * RPM, f"order {one.measured.order:g}"
-        model = "model, at most" if one.pair.bound else "model, swept" if one.pair.swept else "model"
+        rpm, label = order.measured.speeds * RPM, f"order {order.measured.order:g}"
+        model = "model, at most" if order.pair.bound else "model, swept" if order.pair.swept else "model"
         panel.plot(
-            one.pair.curve_speeds * RPM,
-            np.abs(one.pair.curve) * scale,
+            order.pair.curve_speeds * RPM,
+            np.abs(order.pair.curve) * scale,
             label=f"{label}, {model}",
-            **drawn | curve_mark(one.pair.curve_speeds),
+            **drawn | curve_mark(order.pair.curve_speeds),
         )
-        size = one.measured.amplitude * scale
+        size = order.measured.amplitude * scale
         panel.plot(rpm, size, color=drawn["color"], label=f"{label}, test", **_dots(number))
-        if one.pair.half_widths is not None:
-            width = one.pair.half_widths * scale
+        if order.pair.half_widths is not None:
+            width = order.pair.half_widths * scale
             panel.vlines(rpm, np.maximum(size - width, 0), size + width, color=drawn["color"], alpha=WIDTH_ALPHA)
 
 
 def _phases(panel: Axes, pairs: Sequence[ComparedOrder]) -> None:
     """Phases in degrees; a measured one is drawn in the turn of the calculated one."""
     drawn_phases = []
-    for number, one in enumerate(pairs):
-        pair = one.pair
+    for number, order in enumerate(pairs):
+        pair = order.pair
         if not pair.has_phase:
             continue
         drawn = style.line_style(number)

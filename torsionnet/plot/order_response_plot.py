@@ -64,7 +64,7 @@ def order_response(
     UsageError
         No such output.
     """
-    names = [output] if isinstance(output, str) else list(output or [one.name for one in response.outputs])
+    names = [output] if isinstance(output, str) else list(output or [channel.name for channel in response.outputs])
     sheet, panels = style.stacked_panels(0.8 + 2.6 * len(names), names, ax)
     total = response.half_range
     for panel, name in zip(panels, names, strict=True):

@@ -46,10 +46,10 @@ def periodic_response(
     names = [channel.name for channel in response.outputs]
     sheet, panels = style.stacked_panels(1.2 + 2.6 * len(names), names, ax)
     for place, (panel, channel) in enumerate(zip(panels, response.outputs, strict=True)):
-        sizes = [float(one.highest[place] - one.lowest[place]) for one in response.motions]
+        sizes = [float(motion.highest[place] - motion.lowest[place]) for motion in response.motions]
         scale, unit = axis_unit(channel.unit, max(sizes, default=0.0), conventions)
         # Each branch in its colour: stable parts as lines, unstable ones dashed, undetermined ones dotted.
-        for number, group in groupby(response.motions, key=lambda one: one.branch):
+        for number, group in groupby(response.motions, key=lambda motion: motion.branch):
             _draw_branch(panel, response, list(group), number, (place, scale))
         panel.set_ylabel(axis_label(f"{channel.name}, peak to peak", unit, 40))
         panel.set_ylim(bottom=0)
@@ -60,38 +60,38 @@ def periodic_response(
 
 
 def _draw_branch(
-    panel: Axes, found: PeriodicResponse, motions: list[FoundMotion], number: int, shown: tuple[int, float]
+    panel: Axes, response: PeriodicResponse, motions: list[FoundMotion], number: int, shown: tuple[int, float]
 ) -> None:
     place, scale = shown
     color = style.PALETTE[number % len(style.PALETTE)]
-    line = [*_begins(found, motions[0]), *motions]
-    at = np.array([found.shown(one.at) for one in line])
-    sizes = np.array([scale * float(one.highest[place] - one.lowest[place]) for one in line])
-    label: str | None = f"branch {number + 1}: {found.ways[number]}"
+    line = [*_begins(response, motions[0]), *motions]
+    at = np.array([response.shown(motion.at) for motion in line])
+    sizes = np.array([scale * float(motion.highest[place] - motion.lowest[place]) for motion in line])
+    label: str | None = f"branch {number + 1}: {response.ways[number]}"
     if len(line) == 1:
         panel.plot(at, sizes, ".", color=color, label=label)
     first = 0
     # One line for all steps of a style: in lines shorter than a dash, dashes would not show.
-    for dashes, steps in groupby(_dashes(one, other) for one, other in pairwise(line)):
+    for dashes, steps in groupby(_dashes(motion, other) for motion, other in pairwise(line)):
         last = first + len(list(steps))
         panel.plot(
             at[first : last + 1], sizes[first : last + 1], color=color, linewidth=1.6, linestyle=dashes, label=label
         )
         first, label = last, None
     for kind, marker in TURNS.items():
-        turns = [i for i, one in enumerate(line) if one.turn == kind and one.branch == number]
+        turns = [i for i, motion in enumerate(line) if motion.turn == kind and motion.branch == number]
         panel.plot(at[turns], sizes[turns], marker, color=color, markersize=5, fillstyle="none")
 
 
-def _begins(found: PeriodicResponse, first: FoundMotion) -> list[FoundMotion]:
+def _begins(response: PeriodicResponse, first: FoundMotion) -> list[FoundMotion]:
     """Doubling next to the first motion of a branch of doubled motions, at which it begins; none for other branches."""
-    doublings = [one for one in found.turns("doubling") if 2 * one.periods == first.periods]
-    return sorted(doublings, key=lambda one: abs(one.at - first.at))[:1]
+    doublings = [doubling for doubling in response.turns("doubling") if 2 * doubling.periods == first.periods]
+    return sorted(doublings, key=lambda doubling: abs(doubling.at - first.at))[:1]
 
 
-def _dashes(one: FoundMotion, other: FoundMotion) -> str:
+def _dashes(motion: FoundMotion, other: FoundMotion) -> str:
     """Line style between two motions: where one lies on the edge of stability the other decides."""
-    states = [each.is_stable for each in (one, other) if not each.on_edge]
+    states = [each.is_stable for each in (motion, other) if not each.on_edge]
     if any(state is False for state in states):
         return "--"
     return ":" if not states or None in states else "-"

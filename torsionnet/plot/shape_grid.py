@@ -83,19 +83,19 @@ def shape_grid(modes: Sequence[Modes], drivetrains: Sequence[Drivetrain], labels
     >>> [text for text in texts if "Hz" in text]
     ['Mode 1: 7.105 Hz', 'Mode 2: 80.98 Hz']
     """
-    longest = max(len(node) for one in modes for node in one.nodes)
+    longest = max(len(node) for case in modes for node in case.nodes)
     below = 0.2 + LETTER * min(longest, 18)
-    views = [shape_view(one, rig) for one, rig in zip(modes, drivetrains, strict=True)]
+    views = [shape_view(case, rig) for case, rig in zip(modes, drivetrains, strict=True)]
     panels, height = _panels(modes, below)
     figure = style.bare_figure(style.WIDTH, height)
     axes = figure.add_axes((0, 0, 1, 1), xlim=(0, style.WIDTH), ylim=(0, height))
     axes.set_axis_off()
-    lowest = {panel.column: max(one.row for one in panels if one.column == panel.column) for panel in panels}
+    lowest = {panel.column: max(other.row for other in panels if other.column == panel.column) for panel in panels}
     for panel in panels:
-        one = modes[panel.case]
+        case = modes[panel.case]
         _frame(axes, panel)
-        _shape(axes, panel, one, views[panel.case])
-        axes.text(panel.x, panel.y + panel.half + 0.1, _title(one, panel.mode), fontsize=style.SMALL, color=style.INK)
+        _shape(axes, panel, case, views[panel.case])
+        axes.text(panel.x, panel.y + panel.half + 0.1, _title(case, panel.mode), fontsize=style.SMALL, color=style.INK)
         if panel.column == 0 and len(modes) > 1:
             _label(axes, panel, labels[panel.case])
         if panel.row == lowest[panel.column]:
@@ -132,8 +132,8 @@ def _drawn(modes: Sequence[Modes]) -> list[list[int]]:
 
     Of all modes if none oscillates.
     """
-    vibrations = [[index for index, kind in enumerate(one.kinds) if kind == OSCILLATORY] for one in modes]
-    return vibrations if any(vibrations) else [list(range(len(one))) for one in modes]
+    vibrations = [[index for index, kind in enumerate(case.kinds) if kind == OSCILLATORY] for case in modes]
+    return vibrations if any(vibrations) else [list(range(len(case))) for case in modes]
 
 
 def _frame(axes: Axes, panel: Panel) -> None:

@@ -151,15 +151,15 @@ def shape_view(
     if own or not axis.stations:
         return ShapeView(axis, ones, "angle of each node [-]", idle=left_out)
     reference = referred_to or axis.stations[0].node
-    found = ratios(drivetrain, reference)
-    factors = np.array([found.of[node] for node in modes.nodes])
+    turning = ratios(drivetrain, reference)
+    factors = np.array([turning.of[node] for node in modes.nodes])
     # Without any ratio a referred angle is the angle itself.
     plain = np.allclose(factors, 1.0, rtol=1e-12)
     label = "angle [-]" if plain else f"angle referred to {reference} [-]"
     # What cannot turn stays at zero whatever its ratio.
     seen = {station.node for station in axis.stations}
     seen = {node for node in seen if np.any(np.abs(modes.shapes[modes.nodes.index(node)]) > STANDING_AMPLITUDE)}
-    free, standing = (tuple(node for node in some if node in seen) for some in (found.free, found.standing))
+    free, standing = (tuple(node for node in some if node in seen) for some in (turning.free, turning.standing))
     return ShapeView(axis, factors, label, free, standing, left_out)
 
 
@@ -371,12 +371,12 @@ def _lines(holzer: HolzerTable) -> list[_Line]:
     for branch in holzer.branches:
         line = _Line()
         stations = [*branch.stations, *([holzer.station(branch.joins)] if branch.joins else [])]
-        for place, one in enumerate(stations):
+        for place, mass in enumerate(stations):
             again = bool(branch.joins) and place == len(branch.stations)
             line.x.append(x)
-            line.names.append(f"({one.node})" if again else one.node)
-            line.theta.append(one.amplitude / one.ratio if one.ratio == one.ratio else one.amplitude)
-            line.rigid.append(one.link is not None and one.link.rigid)
+            line.names.append(f"({mass.node})" if again else mass.node)
+            line.theta.append(mass.amplitude / mass.ratio if mass.ratio == mass.ratio else mass.amplitude)
+            line.rigid.append(mass.link is not None and mass.link.rigid)
             x += 1.0
         x += BRANCH_STEP - 1.0
         lines.append(line)

@@ -68,15 +68,15 @@ def tornado(
     damped = any(np.abs(result.relative_dampings[place]).max() > ROUNDING for place in chosen)
     height = 1.2 + len(chosen) * (0.6 + 0.22 * len(shown))
     what = ("natural frequency", "damping ratio")[: 1 + damped]
-    shows = [f"{one} of {result.name(place)}" for place in chosen for one in what]
+    shows = [f"{quantity} of {result.name(place)}" for place in chosen for quantity in what]
     sheet, panels = style.grid_panels(style.WIDTH, height, shows, ax, columns=len(what))
     for row, place in zip(panels, chosen, strict=True):
         _bars(row[0], result, result.relative_frequencies[place], shown, style.PALETTE[0])
         row[0].set_title(f"{result.name(place)}: {result.natural_frequencies[place]:.4g} Hz", fontsize=style.FONT)
         if damped:
             _damping(sheet, row[1], result, place, shown)
-    for axes, one in zip(_lowest(panels), what, strict=True):
-        axes.set_xlabel(f"{one} [% per %]")
+    for axes, quantity in zip(_lowest(panels), what, strict=True):
+        axes.set_xlabel(f"{quantity} [% per %]")
     return sheet.titled(result.title if title is None else title)
 
 

@@ -59,7 +59,7 @@ def wheel_rotations(wheels: Sequence[WheelRotation], *, title: str = "", ax: Giv
     above.set_ylabel("speed [rpm]")
     below.set_ylabel("deviation of angle [deg]")
     below.set_xlabel("time [s]")
-    below.set_xlim(min(one.times[0] for one in wheels), max(one.times[-1] for one in wheels))
+    below.set_xlim(min(wheel.times[0] for wheel in wheels), max(wheel.times[-1] for wheel in wheels))
     above.legend(loc="best")
     below.legend(loc="best")
     sheet.figure.align_ylabels([above, below])

@@ -74,15 +74,15 @@ def font_widths(face: str) -> FontWidths:
     (unit,) = struct.unpack_from(">H", tables["head"], 18)
     (count,) = struct.unpack_from(">H", tables["hhea"], 34)
     (glyph_count,) = struct.unpack_from(">H", tables["maxp"], 4)
-    advances = [int(one) for one in np.frombuffer(tables["hmtx"], ">u2", 2 * count)[::2]]
+    advances = [int(advance) for advance in np.frombuffer(tables["hmtx"], ">u2", 2 * count)[::2]]
     advances += advances[-1:] * (glyph_count - count)
     return FontWidths(unit, _glyphs(tables["cmap"]), tuple(advances), _kerning(tables.get("kern", b"")))
 
 
 def font_folder() -> Path:
     """Folder of the files of DejaVu Sans, which matplotlib brings; it is looked for without an import of matplotlib."""
-    found = importlib.util.find_spec("matplotlib")
-    for folder in (found.submodule_search_locations or ()) if found is not None else ():
+    package = importlib.util.find_spec("matplotlib")
+    for folder in (package.submodule_search_locations or ()) if package is not None else ():
         if (Path(folder) / "mpl-data" / "fonts" / "ttf" / FACES[""]).is_file():
             return Path(folder) / "mpl-data" / "fonts" / "ttf"
     import matplotlib as mpl  # some distributions keep its data elsewhere, and only matplotlib knows where
@@ -92,11 +92,11 @@ def font_folder() -> Path:
 
 def _tables(data: bytes) -> dict[str, bytes]:
     (count,) = struct.unpack_from(">H", data, 4)
-    found = {}
+    tables = {}
     for number in range(count):
         tag, _, start, length = struct.unpack_from(">4sIII", data, 12 + 16 * number)
-        found[tag.decode()] = data[start : start + length]
-    return found
+        tables[tag.decode()] = data[start : start + length]
+    return tables
 
 
 def _glyphs(table: bytes) -> dict[int, int]:
@@ -108,7 +108,7 @@ def _glyphs(table: bytes) -> dict[int, int]:
     words = np.frombuffer(table[start:], ">u2", (len(table) - start) // 2).tolist()
     n = double // 2
     last, first, delta, offset = (words[at : at + n] for at in (7, 8 + n, 8 + 2 * n, 8 + 3 * n))
-    found: dict[int, int] = {}
+    glyphs: dict[int, int] = {}
     for place in range(n):
         for code in range(first[place], min(last[place], 0xFFFE) + 1):
             glyph = code
@@ -116,8 +116,8 @@ def _glyphs(table: bytes) -> dict[int, int]:
                 glyph = words[8 + 3 * n + place + offset[place] // 2 + code - first[place]]
                 if not glyph:
                     continue
-            found[code] = (glyph + delta[place]) & 0xFFFF
-    return found
+            glyphs[code] = (glyph + delta[place]) & 0xFFFF
+    return glyphs
 
 
 def _kerning(table: bytes) -> dict[int, int]:
@@ -168,16 +168,16 @@ def symbol_runs(text: str) -> list[TextRun]:
     >>> [tuple(run) for run in symbol_runs("$k_{\\mathrm{1}}$ = 460 N·m/rad")]
     [('k', 'symbol'), ('1', 'index'), (' = 460 N·m/rad', 'plain')]
     """
-    found: list[TextRun] = []
+    runs: list[TextRun] = []
     for place, part in enumerate(text.split("$")):
         match = _SYMBOL.fullmatch(part) if place % 2 else None
         if match is None:
-            found += [TextRun(part, "plain")] if part else []
+            runs += [TextRun(part, "plain")] if part else []
             continue
-        found.append(TextRun(LETTERS.get(match[1], match[1]), "symbol"))
+        runs.append(TextRun(LETTERS.get(match[1], match[1]), "symbol"))
         if match[2]:
-            found.append(TextRun(match[2].replace("\\_", "_"), "index"))
-    return found
+            runs.append(TextRun(match[2].replace("\\_", "_"), "index"))
+    return runs
 
 
 def plain_symbols(text: str) -> str:

@@ -176,7 +176,7 @@ def _dress(panel: Any) -> tuple[Any, ...]:
 def given_panels(ax: GivenAxes, shows: Sequence[str]) -> list[Axes]:
     """List of the axes that were given for panels that show something, one for each; else a usage error."""
     panels = list(np.ravel(np.array(ax, dtype=object)))
-    wrong = next((one for one in panels if not isinstance(one, Axes)), None)
+    wrong = next((panel for panel in panels if not isinstance(panel, Axes)), None)
     if wrong is not None:
         raise UsageError(
             f"ax= takes axes of matplotlib, one for each panel, not {type(wrong).__name__}", kind="wrong-form"
@@ -287,8 +287,8 @@ def paired_style(first: int, second: int, sizes: tuple[int, int]) -> dict[str, A
     ``sizes`` are the counts of both. They are exchanged if there are too few dashes; if one count is 1, colour and
     dashes change together.
 
-    >>> one, other = paired_style(0, 0, (2, 3)), paired_style(0, 1, (2, 3))
-    >>> one["color"] == other["color"], one["linestyle"] == other["linestyle"]
+    >>> first, other = paired_style(0, 0, (2, 3)), paired_style(0, 1, (2, 3))
+    >>> first["color"] == other["color"], first["linestyle"] == other["linestyle"]
     (True, False)
     """
     if min(sizes) == 1:
@@ -362,14 +362,14 @@ class Bars:
 
 def draw_bars(axes: Axes, rows: int, bars: Sequence[Bars], *, line: str = MUTED, width: float = 0.8) -> None:
     """Draw bars in ``rows`` rows of the axes, and a vertical line at which the bars begin."""
-    for one in bars:
-        places = [row + one.below for row in range(rows)]
+    for group in bars:
+        places = [row + group.below for row in range(rows)]
         axes.barh(
-            places, one.lengths, left=one.start, height=one.height, color=one.color, alpha=one.alpha,
-            label=one.label or None,
+            places, group.lengths, left=group.start, height=group.height, color=group.color, alpha=group.alpha,
+            label=group.label or None,
         )  # fmt: skip
-        if one.intervals is not None:
-            axes.hlines(places, *one.intervals, color=INK, linewidth=1.0)
+        if group.intervals is not None:
+            axes.hlines(places, *group.intervals, color=INK, linewidth=1.0)
     axes.axvline(bars[0].start, color=line, linewidth=width)
 
 

@@ -119,11 +119,11 @@ class PartLayout:
 
     def bands(self) -> list[Piece]:
         """List of the drawings of the main line, and of each branch for which there was no room beside its own line."""
-        found = []
+        bands = []
         while self.waiting:
             head = self.waiting.popleft()
-            found.append(self._band(head))
-        return found
+            bands.append(self._band(head))
+        return bands
 
     def _band(self, head: Vertex) -> Piece:
         route = self.routes[head]

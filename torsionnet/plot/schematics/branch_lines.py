@@ -101,7 +101,7 @@ class Branch:
             dot = Stroke(arc(self.x, self.y, 2.4, 2.4, 0, 360, 12), "part", closed=True, fill="part")
             block.strokes.append(dot)
             if self.owner is not None:
-                block.strokes = [one._replace(owner=self.owner) for one in block.strokes]
+                block.strokes = [stroke._replace(owner=self.owner) for stroke in block.strokes]
         for stage in self.stages:
             with block.owned("element", stage.element.name):
                 _wheels(block, stage, self.x + stage.offset, distance)

@@ -71,14 +71,16 @@ def with_part_boxes(drivetrain: Drivetrain) -> Drivetrain:
     for use_name, use in definition.authored.authored.use.items():
         for copy in copies(use_name, use):
             prefix = f"{copy.name}."
-            inside = [one for name, one in definition.elements.items() if name.startswith(prefix)]
+            inside = [element for name, element in definition.elements.items() if name.startswith(prefix)]
             outer = {*copy.nodes.values(), GROUND}
             inner = tuple(node for node in all_nodes(inside) if node not in outer)
-            elements = {name: one for name, one in elements.items() if not name.startswith(prefix)}
+            elements = {name: element for name, element in elements.items() if not name.startswith(prefix)}
             elements[copy.name] = PartBox(
                 copy.name, description=use.part, joined=tuple(copy.nodes.items()), inner=inner
             )
-    sensors = {name: one for name, one in definition.sensors.items() if not one.is_on_element or one.of in elements}
+    sensors = {
+        name: sensor for name, sensor in definition.sensors.items() if not sensor.is_on_element or sensor.of in elements
+    }
     drawn = replace(definition, elements=elements, sensors=sensors, excitations={}, limits={}, load=None, authored=None)
     return drivetrain.with_definition(drawn)
 
@@ -99,7 +101,7 @@ class DrawingPlan:
     """Drivetrain with what a schematic draws at each node, and the sizes and texts of its symbols."""
 
     drivetrain: Drivetrain
-    found: Connections
+    connected: Connections
     page: float
     """Width in points of the schematic, beyond which its shaft lines are cut and go on below."""
     compact: bool
@@ -135,19 +137,19 @@ class DrawingPlan:
             for element in self.drivetrain.elements.values()
             for inner in element.internal_nodes
         }
-        sets = [box for box in self.found.boxes.values() if isinstance(box, EpicyclicSet)]
+        sets = [box for box in self.connected.boxes.values() if isinstance(box, EpicyclicSet)]
         return shafts | {planet: each.ports["carrier"] for each in sets for planet in each.planets}
 
     @cached_property
     def housings(self) -> dict[str, list[str]]:
         """Lists of the names of the gears whose housing is on a node, by name of the node."""
-        found: dict[str, list[str]] = {}
-        inside = {element.name for box in self.found.boxes.values() for element in getattr(box, "elements", ())}
+        by_node: dict[str, list[str]] = {}
+        inside = {element.name for box in self.connected.boxes.values() for element in getattr(box, "elements", ())}
         for element in self.drivetrain.elements.values():
             node = element.ports.get("housing", GROUND)
             if node != GROUND and element.name not in inside and not isinstance(element, PartBox):
-                found.setdefault(node, []).append(element.name)
-        return found
+                by_node.setdefault(node, []).append(element.name)
+        return by_node
 
     @cached_property
     def inputs(self) -> dict[str, list[tuple[str, str]]]:
@@ -177,23 +179,23 @@ class DrawingPlan:
 
         The description names a node that is hidden.
         """
-        found: dict[str, list[tuple[str, str]]] = {}
+        by_node: dict[str, list[tuple[str, str]]] = {}
         for name, what, node in channels:
             text = f"{what} at {node}" if node in self.homes else what
-            found.setdefault(self.homes.get(node, node), []).append((name, text))
-        return found
+            by_node.setdefault(self.homes.get(node, node), []).append((name, text))
+        return by_node
 
     @cached_property
     def taps(self) -> dict[str, list[Tap]]:
         """Lists of the sensors of torque and twist, by name of the node at which they are drawn."""
-        found: dict[str, list[Tap]] = {}
+        by_node: dict[str, list[Tap]] = {}
         for name, sensor in self.drivetrain.sensors.items():
             element = self.drivetrain.elements.get(sensor.of)
             if not sensor.is_on_element or element is None:
                 continue
             port, node = _taken(element, sensor.at)
-            found.setdefault(self.homes.get(node, node), []).append(Tap(name, sensor.quantity, element.name, port))
-        return found
+            by_node.setdefault(self.homes.get(node, node), []).append(Tap(name, sensor.quantity, element.name, port))
+        return by_node
 
     def sensors_on(self, element: Element) -> list[Tap]:
         """List of the sensors of the torque or twist of an element."""
@@ -205,16 +207,16 @@ class DrawingPlan:
 
     @cached_property
     def _links(self) -> dict[str, list[Link]]:
-        found: dict[str, list[Link]] = {node: [] for node in self.drivetrain.nodes}
-        for link in self.found.links:
+        by_node: dict[str, list[Link]] = {node: [] for node in self.drivetrain.nodes}
+        for link in self.connected.links:
             for vertex in (link.first, link.second):
                 if not vertex.is_box:
-                    found[vertex.name].append(link)
-        return found
+                    by_node[vertex.name].append(link)
+        return by_node
 
     def bodies(self, node: str, *, at_end: bool) -> tuple[Pairs, Element | None]:
         """Pairs (disc, element hanging below) at a node, and the element to ground that ends the shaft line, if any."""
-        attached = self.found.attached[node]
+        attached = self.connected.attached[node]
         discs = [element for element in attached if element.glyph == "disc"]
         others = [element for element in attached if element.glyph != "disc"]
         last = next((element for element in others if element.glyph not in DRAGS), None) if at_end else None
@@ -266,10 +268,10 @@ def _taken(element: Element, at: str | None) -> tuple[str, str]:
 
 def make_plan(drivetrain: Drivetrain, page: float) -> tuple[DrawingPlan, list[Tree]]:
     """Plan of a schematic, and list with a spanning tree for each connected part of the drivetrain."""
-    found = connections(drivetrain)
+    connected = connections(drivetrain)
     compact = len(drivetrain.nodes) > MOST_NAMED_NODES
-    plan = DrawingPlan(drivetrain, found, page, compact, disc_sizes(drivetrain, COMPACT_SCALE if compact else 1.0))
-    grown, left = trees(found, [node for node in drivetrain.nodes if node not in plan.homes])
+    plan = DrawingPlan(drivetrain, connected, page, compact, disc_sizes(drivetrain, COMPACT_SCALE if compact else 1.0))
+    grown, left = trees(connected, [node for node in drivetrain.nodes if node not in plan.homes])
     places = {vertex: place for tree in grown for place, vertex in enumerate(tree.order)}
     for number, link in enumerate(left):
         start, end = sorted((link.first, link.second), key=lambda vertex: (not vertex.is_box, places[vertex]))

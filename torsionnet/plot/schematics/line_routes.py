@@ -86,7 +86,7 @@ class RouteStep(NamedTuple):
 def line_routes(tree: Tree) -> dict[Vertex, LineRoute]:
     """Routes of the shaft lines of a tree, by the first node or box of each, lines nearer to the root first."""
     height = heights(tree)
-    found: dict[Vertex, LineRoute] = {}
+    routes: dict[Vertex, LineRoute] = {}
     heads: list[tuple[Link | None, Vertex | None, Vertex]] = [(None, None, tree.root)]
     for incoming, parent, head in heads:
         vertices, links = [head], []
@@ -99,8 +99,8 @@ def line_routes(tree: Tree) -> dict[Vertex, LineRoute]:
                 break
             links.append(onward[0])
             vertices.append(onward[1])
-        found[head] = LineRoute(incoming, parent, tuple(vertices), tuple(links))
-    return found
+        routes[head] = LineRoute(incoming, parent, tuple(vertices), tuple(links))
+    return routes
 
 
 def line_width(start: float, steps: Sequence[RouteStep]) -> float:
@@ -140,14 +140,14 @@ def _firsts(steps: Sequence[RouteStep], end: int, room: float) -> list[int]:
 
     At least one step.
     """
-    found = [end - 1]
+    firsts = [end - 1]
     width = steps[end - 1].width + steps[end - 1].right
     for first in range(end - 2, -1, -1):
         width += steps[first].width
         if width + steps[first].left > room:
             break
-        found.append(first)
-    return found
+        firsts.append(first)
+    return firsts
 
 
 def _cost(piece: Sequence[RouteStep], start: float, room: float) -> float:
@@ -234,10 +234,12 @@ def plain_axis(nodes: Iterable[str]) -> Axis:
 
 def node_axis(drivetrain: Drivetrain, without: Collection[str] = ()) -> Axis:
     """Axis of a mode shape plot with a drivetrain's main line, branches in the schematic's order, and hidden nodes."""
-    found = connections(drivetrain)
-    found.links = [link for link in found.links if link.first.name not in without and link.second.name not in without]
-    hidden = {*_hidden(found, drivetrain), *without}
-    grown, _ = trees(found, [node for node in drivetrain.nodes if node not in hidden])
+    connected = connections(drivetrain)
+    connected.links = [
+        link for link in connected.links if link.first.name not in without and link.second.name not in without
+    ]
+    hidden = {*_hidden(connected, drivetrain), *without}
+    grown, _ = trees(connected, [node for node in drivetrain.nodes if node not in hidden])
     axis = Axis()
     for tree in grown:
         for route in _in_depth(line_routes(tree)):
@@ -250,10 +252,10 @@ def node_axis(drivetrain: Drivetrain, without: Collection[str] = ()) -> Axis:
     return axis
 
 
-def _in_depth(found: Mapping[Vertex, LineRoute]) -> Iterator[LineRoute]:
+def _in_depth(routes: Mapping[Vertex, LineRoute]) -> Iterator[LineRoute]:
     """Yield the routes of shaft lines, each followed by its branches, from the branches at its end to the first."""
     leaving: dict[Vertex | None, list[LineRoute]] = {}
-    for route in found.values():
+    for route in routes.values():
         leaving.setdefault(route.parent, []).append(route)
     stack = leaving.get(None, [])[::-1]
     while stack:
@@ -263,8 +265,8 @@ def _in_depth(found: Mapping[Vertex, LineRoute]) -> Iterator[LineRoute]:
         stack += following[::-1]
 
 
-def _hidden(found: Connections, drivetrain: Drivetrain) -> set[str]:
-    drawn = [*drivetrain.elements.values(), *found.boxes.values()]
+def _hidden(connected: Connections, drivetrain: Drivetrain) -> set[str]:
+    drawn = [*drivetrain.elements.values(), *connected.boxes.values()]
     return {node for element in drawn for node in element.internal_nodes}
 
 
@@ -342,8 +344,8 @@ def _spread(drivetrain: Drivetrain, known: dict[str, float], free: Iterable[str]
     missing = set(free)
     beside: dict[str, list[str]] = {}
     for element in drivetrain.elements.values():
-        for one, other in permutations(dict.fromkeys((*element.ports.values(), *element.internal_nodes)), 2):
-            beside.setdefault(one, []).append(other)
+        for end, other in permutations(dict.fromkeys((*element.ports.values(), *element.internal_nodes)), 2):
+            beside.setdefault(end, []).append(other)
     waiting = list(known)
     for node in waiting:
         for other in beside.get(node, ()):
@@ -384,11 +386,11 @@ def _ways(drivetrain: Drivetrain) -> dict[str, list[str]]:
 
     Inertia and drag do neither.
     """
-    found: dict[str, list[str]] = {node: [] for node in drivetrain.nodes}
+    ways: dict[str, list[str]] = {node: [] for node in drivetrain.nodes}
     for element in drivetrain.elements.values():
         ends = set(element.ports.values())
         holds = element.glyph == "clamp" or (GROUND in ends and element.glyph not in DRAGS)
         if holds or len(ends - {GROUND}) > 1:
-            for node in ends & found.keys():
-                found[node].append(element.name)
-    return found
+            for node in ends & ways.keys():
+                ways[node].append(element.name)
+    return ways

@@ -149,9 +149,9 @@ def cut_heights(block: Piece, extent: Box, tallest: float) -> list[float]:
     [100.0]
     """
     _, _, bottom, top = extent
-    level = [one for one in block.wires if one[3] - one[2] <= LINE_THICKNESS + STEP]
-    upright = [one for one in block.wires if one[3] - one[2] > LINE_THICKNESS + STEP]
-    found: list[float] = []
+    level = [wire for wire in block.wires if wire[3] - wire[2] <= LINE_THICKNESS + STEP]
+    upright = [wire for wire in block.wires if wire[3] - wire[2] > LINE_THICKNESS + STEP]
+    cuts: list[float] = []
     while top - bottom > tallest:
         even = (top - bottom) / math.ceil((top - bottom) / tallest)
         solid, least = [*block.boxes, *level], top - LEAST_SHARE * even
@@ -160,9 +160,9 @@ def cut_heights(block: Piece, extent: Box, tallest: float) -> list[float]:
             cut = _best_cut(solid, [], (bottom + LEAST_SHARE * even, least), top - tallest)
         if cut is None:
             break
-        found.append(cut)
+        cuts.append(cut)
         top = cut
-    return found
+    return cuts
 
 
 def _best_cut(solid: Sequence[Box], upright: Sequence[Box], span: tuple[float, float], wanted: float) -> float | None:
@@ -175,15 +175,17 @@ def _best_cut(solid: Sequence[Box], upright: Sequence[Box], span: tuple[float, f
 
 
 def _crossed(boxes: Iterable[Box], y: float, room: float) -> list[Box]:
-    return [one for one in boxes if one[2] - room < y < one[3] + room]
+    return [box for box in boxes if box[2] - room < y < box[3] + room]
 
 
 def part_between(block: Piece, low: float, high: float) -> Piece:
     """Part of a drawing between two heights in points: the strokes that reach into it, and the labels inside of it."""
     strokes = [
-        one for one in block.strokes if max(y for _, y in one.points) > low and min(y for _, y in one.points) < high
+        stroke
+        for stroke in block.strokes
+        if max(y for _, y in stroke.points) > low and min(y for _, y in stroke.points) < high
     ]
-    return Piece(strokes, [one for one in block.labels if low <= one.y <= high])
+    return Piece(strokes, [label for label in block.labels if low <= label.y <= high])
 
 
 def schematic(

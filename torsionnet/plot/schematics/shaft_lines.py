@@ -130,7 +130,7 @@ def draw_box(
 def _draw(
     line: PlannedRow, vertex: Vertex, before: Link | None, after: Link | None, leaving: Sequence[tuple[Link, Vertex]]
 ) -> None:
-    element = line.plan.found.boxes[vertex.name]
+    element = line.plan.connected.boxes[vertex.name]
     texts = line.plan.texts(element)
     below = _ports_below(line, vertex, element, leaving)
     side = max((text_width(link.port, "port") + 8 for link in (before, after) if link is not None), default=8.0)

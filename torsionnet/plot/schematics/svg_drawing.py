@@ -59,18 +59,18 @@ class SvgGroup:
 def drawn_groups(model: Drivetrain, whole: Piece) -> dict[Owner, SvgGroup]:
     """Groups of a drawing by kind and name, nodes first so that symbols of elements lie over shafts."""
     ids: set[str] = set()
-    found = {
+    groups = {
         Owner(kind, name): SvgGroup(kind, name, _id(kind, name, ids), words, title)
         for kind, name, words, title in _parts(model)
     }
-    _hide(model, found)
+    _hide(model, groups)
     for stroke in whole.strokes:
-        if stroke.owner in found:
-            found[stroke.owner].strokes.append(stroke)
+        if stroke.owner in groups:
+            groups[stroke.owner].strokes.append(stroke)
     for label in whole.labels:
-        if label.owner in found:
-            found[label.owner].labels.append(label)
-    return found
+        if label.owner in groups:
+            groups[label.owner].labels.append(label)
+    return groups
 
 
 def _parts(model: Drivetrain) -> list[tuple[str, str, str, str]]:
@@ -79,13 +79,16 @@ def _parts(model: Drivetrain) -> list[tuple[str, str, str, str]]:
     return [
         *(("node", name, "node", f"node {name}") for name in model.nodes),
         *(
-            ("element", name, f"element {one.kind}", _element_title(one, values))
-            for name, one in model.elements.items()
+            ("element", name, f"element {element.kind}", _element_title(element, values))
+            for name, element in model.elements.items()
         ),
-        *(("input", name, "input", f"input {name}: {one.quantity} on {one.of}") for name, one in model.inputs.items()),
         *(
-            ("sensor", name, "sensor", f"sensor {name}: {one.quantity} of {one.of}")
-            for name, one in model.sensors.items()
+            ("input", name, "input", f"input {name}: {channel.quantity} on {channel.of}")
+            for name, channel in model.inputs.items()
+        ),
+        *(
+            ("sensor", name, "sensor", f"sensor {name}: {sensor.quantity} of {sensor.of}")
+            for name, sensor in model.sensors.items()
         ),
     ]
 
@@ -101,30 +104,30 @@ def _element_title(element: Element, values: Any) -> str:
 def _id(kind: str, name: str, taken: set[str]) -> str:
     """Id of a group, in which other characters than letters, digits, dots and lines stand as their codes."""
     plain = re.sub(r"[^A-Za-z0-9_.-]", lambda match: f"_{ord(match[0]):x}_", name)
-    found, number = f"{kind}-{plain}", 1
-    while found in taken:
+    candidate, number = f"{kind}-{plain}", 1
+    while candidate in taken:
         number += 1
-        found = f"{kind}-{plain}-{number}"
-    taken.add(found)
-    return found
+        candidate = f"{kind}-{plain}-{number}"
+    taken.add(candidate)
+    return candidate
 
 
-def _hide(model: Drivetrain, found: dict[Owner, SvgGroup]) -> None:
+def _hide(model: Drivetrain, groups: dict[Owner, SvgGroup]) -> None:
     """Note which elements and nodes have no symbol of their own: those in a planetary set, nodes within an element."""
     hidden: list[tuple[Owner, Owner]] = []
     for drawn in epicyclic_sets(model):
         box = Owner("element", drawn.name)
-        hidden += [(Owner("element", one.name), box) for one in drawn.elements if one.name != drawn.name]
+        hidden += [(Owner("element", element.name), box) for element in drawn.elements if element.name != drawn.name]
         hidden += [(Owner("node", node), box) for node in drawn.planets]
     for name, element in model.elements.items():
         hidden += [(Owner("node", node), Owner("element", name)) for node in element.internal_nodes]
     for inner, outer in hidden:
-        if inner in found and found[inner].within is None:
+        if inner in groups and groups[inner].within is None:
             drawn_in = outer
-            while (further := found[drawn_in].within) is not None:
+            while (further := groups[drawn_in].within) is not None:
                 drawn_in = further
-            found[inner].within = drawn_in
-            found[drawn_in].hides.append(inner)
+            groups[inner].within = drawn_in
+            groups[drawn_in].hides.append(inner)
 
 
 # Strokes and labels of a schematic as SVG text, with classes and colours for light and dark pages.
@@ -164,14 +167,14 @@ def attribute_text(text: str) -> str:
 
 def strokes_svg(strokes: Iterable[Stroke]) -> str:
     """Text of strokes as paths, those that lie behind the symbols first; strokes of one look become one path."""
-    ordered = sorted(strokes, key=lambda one: not is_behind(one))
-    found = []
-    for (look, fill), some in groupby(ordered, lambda one: (one.look, one.fill)):
+    ordered = sorted(strokes, key=lambda stroke: not is_behind(stroke))
+    paths = []
+    for (look, fill), some in groupby(ordered, lambda stroke: (stroke.look, stroke.fill)):
         if fill:  # each of them covers what lies behind it
-            found += [_path(_outline(one), look, fill) for one in some]
+            paths += [_path(_outline(stroke), look, fill) for stroke in some]
         else:
-            found.append(_path("".join(map(_outline, some)), look, fill))
-    return "".join(found)
+            paths.append(_path("".join(map(_outline, some)), look, fill))
+    return "".join(paths)
 
 
 def _outline(stroke: Stroke) -> str:
@@ -187,7 +190,7 @@ def _path(outline: str, look: str, fill: str) -> str:
     if width != PENS["part"][1]:
         more += f' stroke-width="{number(width)}"'
     if look in DASHES:
-        more += f' stroke-dasharray="{" ".join(number(width * one) for one in DASHES[look])}"'
+        more += f' stroke-dasharray="{" ".join(number(width * dash) for dash in DASHES[look])}"'
     if fill:
         words += f" fill-{FILLS.get(fill, fill)}"
         more += f' fill="{_fill_color(fill)}"'
@@ -231,7 +234,7 @@ def _label(label: Label) -> str:
 
 
 def _runs(text: str, size: float) -> str:
-    found, low = "", False
+    markup, low = "", False
     for run in symbol_runs(text):
         is_index = run.style == "index"
         more = f' font-size="{number(INDEX_SIZE * size)}"' if is_index else ""
@@ -240,8 +243,8 @@ def _runs(text: str, size: float) -> str:
             more += f' dy="{number(INDEX_DROP * size if is_index else -INDEX_DROP * size)}"'
         low = is_index
         content = content_text(run.text)
-        found += f"<tspan{more}>{content}</tspan>" if more else content
-    return found
+        markup += f"<tspan{more}>{content}</tspan>" if more else content
+    return markup
 
 
 @dataclass(frozen=True)
@@ -301,14 +304,16 @@ def schematic_svg(model: Drivetrain, *, width: float = PAPER_WIDTH) -> Schematic
         'stroke-width="1.2" stroke-linecap="round" stroke-linejoin="round" text-anchor="middle" '
         f"font-family=\"'DejaVu Sans', Verdana, sans-serif\">\n{''.join(body)}</svg>\n"
     )
-    ids = {kind: {one.name: one.id for one in groups.values() if one.kind == kind} for kind in ("element", "node")}
+    ids = {
+        kind: {group.name: group.id for group in groups.values() if group.kind == kind} for kind in ("element", "node")
+    }
     return SchematicDrawing(svg, ids["element"], ids["node"], (x1 - x0, y1 - y0))
 
 
 def _loose(whole: Piece) -> str:
     """Text of the group of what belongs to no part of the drivetrain, as the wires of cut lines and notes."""
-    strokes = [one for one in whole.strokes if one.owner is None]
-    labels = [one for one in whole.labels if one.owner is None]
+    strokes = [stroke for stroke in whole.strokes if stroke.owner is None]
+    labels = [label for label in whole.labels if label.owner is None]
     return f'<g class="rest">{strokes_svg(strokes)}{labels_svg(labels)}</g>\n'
 
 
@@ -319,11 +324,11 @@ def _written(group: SvgGroup, groups: Mapping[Owner, SvgGroup]) -> str:
     """
     drawn = strokes_svg(group.strokes) + labels_svg(group.labels)
     opening = closing = ""
-    for one in (group, *(groups[key] for key in group.hides)):
+    for part in (group, *(groups[key] for key in group.hides)):
         text = (
-            f'<g id="{attribute_text(one.id)}" class="{attribute_text(one.words)}" '
-            f'data-{one.kind}="{attribute_text(one.name)}" role="img"><title>{content_text(one.title)}</title>'
+            f'<g id="{attribute_text(part.id)}" class="{attribute_text(part.words)}" '
+            f'data-{part.kind}="{attribute_text(part.name)}" role="img"><title>{content_text(part.title)}</title>'
         )
-        opening = text + opening if one.kind == "node" else opening + text
+        opening = text + opening if part.kind == "node" else opening + text
         closing += "</g>"
     return f"{opening}{drawn}{closing}\n"

@@ -68,13 +68,13 @@ def _resists_turning(part: Part) -> bool:
 
 def _edges(element: Element, values: Mapping[str, Any]) -> list[tuple[set[str], str]]:
     """Pairs (set of two nodes, "spring" or "damper") for the laws of an element on the difference of two angles."""
-    found: list[tuple[set[str], str]] = []
+    edges: list[tuple[set[str], str]] = []
     for part in element.parts(Values(values)):
         if isinstance(part, Law) and part.acts and len(part.row) in (1, 2) and not sum(_with_ground(part.row).values()):
             ends = set(_with_ground(part.row))
-            found += [(ends, "spring")] if part.is_elastic else []
-            found += [(ends, "damper")] if part.damping != 0 else []
-    return found
+            edges += [(ends, "spring")] if part.is_elastic else []
+            edges += [(ends, "damper")] if part.damping != 0 else []
+    return edges
 
 
 def _with_ground(row: Mapping[str, Any]) -> dict[str, Any]:
@@ -95,10 +95,10 @@ def _chain(node: str, first: str, second: str, edges: list[tuple[set[str], str]]
 
 def chain_symbol(element: Element, values: Mapping[str, Any], plain: str) -> Glyph:
     """Symbol of an element's springs and dashpots in a schematic, at least one of them of the kind ``plain``."""
-    found = parallel_chains(element, values)
-    if not any(plain in chain for chain in found):
-        found = [(plain,), *found]
-    return _symbol(tuple(found), _spring_sign(element))
+    chains = parallel_chains(element, values)
+    if not any(plain in chain for chain in chains):
+        chains = [(plain,), *chains]
+    return _symbol(tuple(chains), _spring_sign(element))
 
 
 def _spring_sign(element: Element) -> str:
@@ -112,25 +112,25 @@ def _spring_sign(element: Element) -> str:
 
 
 @cache
-def _symbol(found: tuple[SeriesChain, ...], sign: str) -> Glyph:
-    length = LENGTH if any("spring" in chain for chain in found) else DASHPOT_LENGTH
-    if any(len(chain) > 1 for chain in found):
+def _symbol(chains: tuple[SeriesChain, ...], sign: str) -> Glyph:
+    length = LENGTH if any("spring" in chain for chain in chains) else DASHPOT_LENGTH
+    if any(len(chain) > 1 for chain in chains):
         length = 2 * LENGTH - 8
-    if len(found) == 1:
-        half_width = 13.0 if "spring" in found[0] else 9.0
-        half = 8.0 if found[0] == ("damper",) else HALF["damper"]
-        return Glyph(tuple(_chain_strokes(found[0], sign, 0, length, 0, half)), length, half_width)
-    return _railed(found, sign, length + 2 * RAIL if length > LENGTH else length)
+    if len(chains) == 1:
+        half_width = 13.0 if "spring" in chains[0] else 9.0
+        half = 8.0 if chains[0] == ("damper",) else HALF["damper"]
+        return Glyph(tuple(_chain_strokes(chains[0], sign, 0, length, 0, half)), length, half_width)
+    return _railed(chains, sign, length + 2 * RAIL if length > LENGTH else length)
 
 
-def _railed(found: Sequence[SeriesChain], sign: str, length: float) -> Glyph:
-    top = BETWEEN / 2 * (len(found) - 1)
-    heights = [top - BETWEEN * place for place in range(len(found))]
+def _railed(chains: Sequence[SeriesChain], sign: str, length: float) -> Glyph:
+    top = BETWEEN / 2 * (len(chains) - 1)
+    heights = [top - BETWEEN * place for place in range(len(chains))]
     rails = [Stroke(((x, heights[-1]), (x, top))) for x in (RAIL, length - RAIL)]
     leads = [Stroke(((0, 0), (RAIL, 0))), Stroke(((length - RAIL, 0), (length, 0)))]
     drawn = [
         stroke
-        for chain, y in zip(found, heights, strict=True)
+        for chain, y in zip(chains, heights, strict=True)
         for stroke in _chain_strokes(chain, sign, RAIL, length - RAIL, y, HALF["damper"])
     ]
     return Glyph((*leads, *rails, *drawn), length, top + 12)
@@ -218,12 +218,12 @@ def belt_symbol() -> list[Stroke]:
 
 def hydrodynamic_symbol() -> list[Stroke]:
     """Strokes of the symbol of a fluid coupling or converter around (0, 0) in points, two half shells with blades."""
-    found: list[Stroke] = []
+    strokes: list[Stroke] = []
     for sign in (-1, 1):
         shell = tuple((sign * (x + 2), y) for x, y in arc(0, 0, 14, 18, -90, 90, 20))
-        found.append(Stroke(shell, "part", closed=True, fill=WHEEL))
-        found += [Stroke(((sign * 2, y), (sign * 13, y)), "thin") for y in (-9, 0, 9)]
-    return found
+        strokes.append(Stroke(shell, "part", closed=True, fill=WHEEL))
+        strokes += [Stroke(((sign * 2, y), (sign * 13, y)), "thin") for y in (-9, 0, 9)]
+    return strokes
 
 
 SHARED_SYMBOLS: dict[str, Callable[[], list[Stroke]]] = {

@@ -56,17 +56,17 @@ def epicyclic_sets(drivetrain: Drivetrain) -> list[EpicyclicSet]:
 
     Planets between the same members are one set.
     """
-    found: dict[tuple[str, str, str], list[tuple[str, Element, Element]]] = {}
+    sets: dict[tuple[str, str, str], list[tuple[str, Element, Element]]] = {}
     at = _at_nodes(drivetrain.elements.values())
     for node, elements in at.items():
         meshes = _meshes(node, elements, drivetrain.exact_values)
         if meshes is not None:
             sun, ring = meshes
             key = (_mate(sun, node), _mate(ring, node), sun.ports["housing"])
-            found.setdefault(key, []).append((node, sun, ring))
+            sets.setdefault(key, []).append((node, sun, ring))
     # A planet that is also the sun of another set cannot be hidden in a box.
-    inner = {node for planets in found.values() for node, _, _ in planets}
-    return [_set(key, planets, at) for key, planets in found.items() if not inner & set(key)]
+    inner = {node for planets in sets.values() for node, _, _ in planets}
+    return [_set(key, planets, at) for key, planets in sets.items() if not inner & set(key)]
 
 
 def _set(
@@ -183,29 +183,29 @@ def _steps(element: Element) -> bool:
 
 def connections(drivetrain: Drivetrain) -> Connections:
     """Links, elements on single nodes, and boxes of a schematic, into which a drivetrain's elements are sorted."""
-    found = Connections(attached={node: [] for node in drivetrain.nodes})
+    connected = Connections(attached={node: [] for node in drivetrain.nodes})
     parallel: dict[tuple[frozenset[str], bool], list[Element]] = {}
     sets = epicyclic_sets(drivetrain)
-    found.boxes |= {each.name: each for each in sets}
+    connected.boxes |= {each.name: each for each in sets}
     inside = {element.name for each in sets for element in each.elements}
     for element in drivetrain.elements.values():
         if element.name in inside:
             continue
         ends = _ends(element)
         if _is_box(element):
-            found.boxes[element.name] = element
+            connected.boxes[element.name] = element
         elif len(ends) == 1:
-            found.attached[ends[0]].append(element)
+            connected.attached[ends[0]].append(element)
         elif ends:
             parallel.setdefault((frozenset(ends), _steps(element)), []).append(element)
     for group in parallel.values():
         first, second = _ends(group[0])
-        found.links.append(Link(Vertex(first), Vertex(second), tuple(group)))
-    for name, drawn in found.boxes.items():
+        connected.links.append(Link(Vertex(first), Vertex(second), tuple(group)))
+    for name, drawn in connected.boxes.items():
         for port, node in drawn.ports.items():
             if node != GROUND:
-                found.links.append(Link(Vertex(name, is_box=True), Vertex(node), port=port))
-    return found
+                connected.links.append(Link(Vertex(name, is_box=True), Vertex(node), port=port))
+    return connected
 
 
 def _is_box(element: Element) -> bool:
@@ -226,11 +226,11 @@ def _ends(element: Element) -> list[str]:
     return nodes[:2]
 
 
-def trees(found: Connections, nodes: Iterable[str]) -> tuple[list[Tree], list[Link]]:
+def trees(connected: Connections, nodes: Iterable[str]) -> tuple[list[Tree], list[Link]]:
     """Spanning trees of a schematic's connected parts, as a list, and the list of the links that close loops."""
     table: dict[Vertex, list[Link]] = {Vertex(node): [] for node in nodes}
-    table |= {Vertex(name, is_box=True): [] for name in found.boxes}
-    for link in sorted(found.links, key=lambda link: link.rank):
+    table |= {Vertex(name, is_box=True): [] for name in connected.boxes}
+    for link in sorted(connected.links, key=lambda link: link.rank):
         table[link.first].append(link)
         table[link.second].append(link)
     grown: list[Tree] = []
@@ -240,10 +240,10 @@ def trees(found: Connections, nodes: Iterable[str]) -> tuple[list[Tree], list[Li
         if start in seen:
             continue
         joined = _walk(start, table, seen)
-        _open_at_shafts(found.links, joined)
+        _open_at_shafts(connected.links, joined)
         used |= {id(link) for links in joined.values() for link, _ in links}
         grown.append(_rooted(_best_root(start, joined), joined))
-    return grown, [link for link in found.links if id(link) not in used]
+    return grown, [link for link in connected.links if id(link) not in used]
 
 
 def _walk(
@@ -322,10 +322,10 @@ def _best_root(start: Vertex, joined: Mapping[Vertex, list[tuple[Link, Vertex]]]
     ways = sorted((height[child] + 1 for link, child in tree.children[start] if not link.is_gear), reverse=True)
     if len(ways) < 2 or 2 * ways[1] < ways[0]:
         return start
-    one = _farthest(start, joined)
-    other = _farthest(one, joined)
+    end = _farthest(start, joined)
+    other = _farthest(end, joined)
     depth = _depths(tree)
-    return min((other, one), key=lambda vertex: depth[vertex])
+    return min((other, end), key=lambda vertex: depth[vertex])
 
 
 def _farthest(start: Vertex, joined: Mapping[Vertex, list[tuple[Link, Vertex]]]) -> Vertex:
@@ -357,7 +357,7 @@ def _rooted(root: Vertex, joined: Mapping[Vertex, list[tuple[Link, Vertex]]]) ->
 
 def heights(tree: Tree) -> dict[Vertex, int]:
     """Number of links on the longest way from each vertex (node or box) of the tree away from the root, by vertex."""
-    found: dict[Vertex, int] = {}
+    lengths: dict[Vertex, int] = {}
     for vertex in reversed(tree.order):
-        found[vertex] = 1 + max((found[child] for _, child in tree.children[vertex]), default=-1)
-    return found
+        lengths[vertex] = 1 + max((lengths[child] for _, child in tree.children[vertex]), default=-1)
+    return lengths

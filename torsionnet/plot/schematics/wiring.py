@@ -177,8 +177,8 @@ def _traced(state: int, begin: int, best: list[int], costs: list[int], column: i
             return way[::-1]
         before = [(4 * (cell - steps[turn]) + heading, CORNER * (heading != turn)) for heading in _TURNS[turn]]
         state = min(
-            (one for one, corner in before if best[one] + costs[cell] + corner == best[state]),
-            key=lambda one: (best[one], one),
+            (earlier for earlier, corner in before if best[earlier] + costs[cell] + corner == best[state]),
+            key=lambda earlier: (best[earlier], earlier),
         )
 
 

@@ -78,19 +78,19 @@ def contour_map(
     matplotlib.figure.Figure
     """
     scale = units.scale(*result.quantity)
-    every = scale * finite_values(one.values for one in result.maps.values())
+    every = scale * finite_values(chart.values for chart in result.maps.values())
     levels, norm = _levels(every)
     columns = style.panel_columns(len(result.maps))
     rows = math.ceil(len(result.maps) / columns)
-    share_x, share_y = (_alike(getattr(one, side) for one in result.maps.values()) for side in "xy")
+    share_x, share_y = (_alike(getattr(chart, side) for chart in result.maps.values()) for side in "xy")
     labels = _Labels.within(result, units, columns, rows, apart=0.0 if share_y else TICKS)
     sheet, grid = style.grid_panels(
         style.WIDTH, labels.height, list(result.maps), ax, columns=columns, sharex=share_x, sharey=share_y
     )
     panels = sheet.panels
-    for axes, (case, one) in zip(panels, result.maps.items(), strict=True):
-        _panel(axes, _axes_of(result, one, units), scale * one.values.T, levels, norm, labels.width)
-        _limits(axes, result, _axes_of(result, one, units), scale * one.values.T, scale)
+    for axes, (case, chart) in zip(panels, result.maps.items(), strict=True):
+        _panel(axes, _axes_of(result, chart, units), scale * chart.values.T, levels, norm, labels.width)
+        _limits(axes, result, _axes_of(result, chart, units), scale * chart.values.T, scale)
         if len(panels) > 1:
             panel_title(axes, case, labels.width)
     for axes in grid[:, 0]:
@@ -140,14 +140,16 @@ def _besides(result: MapResult) -> str:
     The choice of the other parameters, and the meaning of blank fields.
     """
     over = "" if result.others == "fixed" else f"{result.others} over the others"
-    blank = "" if all(np.isfinite(one.values).all() for one in result.maps.values()) else "blank where there is none"
+    blank = (
+        "" if all(np.isfinite(chart.values).all() for chart in result.maps.values()) else "blank where there is none"
+    )
     return ", ".join(filter(None, (over, blank)))
 
 
 def _alike(points: Iterable[FloatArray]) -> bool:
     """Whether the parameter values on an axis of a contour map are the same in all configurations."""
     first, *others = points
-    return all(np.array_equal(first, one) for one in others)
+    return all(np.array_equal(first, other) for other in others)
 
 
 def _levels(every: FloatArray) -> tuple[FloatArray, Normalize]:
@@ -157,8 +159,8 @@ def _levels(every: FloatArray) -> tuple[FloatArray, Normalize]:
     return np.linspace(low, high, COLOURS + 1), Normalize(low, high)
 
 
-def _axes_of(result: MapResult, one: ParameterMap, units: ShownUnits) -> tuple[FloatArray, FloatArray]:
-    return one.x * units.scale(*result.x), one.y * units.scale(*result.y)
+def _axes_of(result: MapResult, chart: ParameterMap, units: ShownUnits) -> tuple[FloatArray, FloatArray]:
+    return chart.x * units.scale(*result.x), chart.y * units.scale(*result.y)
 
 
 def _panel(

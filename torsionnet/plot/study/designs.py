@@ -73,29 +73,36 @@ def design_optimum(
 def _draw_places(axes: Axes, parameters: tuple[DesignParameter, ...], units: ShownUnits) -> None:
     """Draw in a panel each parameter, as given and optimal, on a line from its lower to its upper bound."""
     style.style_axes(axes)
-    for row, one in enumerate(parameters):
+    for row, parameter in enumerate(parameters):
         axes.plot([0, 1], [row, row], color=style.FAINT, linewidth=5, solid_capstyle="round", zorder=1)
         given, best = ("as given", "found") if row == 0 else ("", "")
-        axes.plot([_place(one, one.start)], [row], "o", color=style.MUTED, mfc=style.PAPER, label=given, zorder=2)
-        axes.plot([_place(one, one.value)], [row], "o", color=style.PALETTE[1], label=best, zorder=3)
-        text = _value(one, units)
+        axes.plot(
+            [_place(parameter, parameter.start)], [row], "o", color=style.MUTED, mfc=style.PAPER, label=given, zorder=2
+        )
+        axes.plot([_place(parameter, parameter.value)], [row], "o", color=style.PALETTE[1], label=best, zorder=3)
+        text = _value(parameter, units)
         side = (
             "left"
-            if _place(one, one.value) < NEAR_BOUND
+            if _place(parameter, parameter.value) < NEAR_BOUND
             else "right"
-            if _place(one, one.value) > 1 - NEAR_BOUND
+            if _place(parameter, parameter.value) > 1 - NEAR_BOUND
             else "center"
         )
-        axes.annotate(text, (_place(one, one.value), row), (0, 6), textcoords="offset points", ha=side, **LABELLED)
-    parameter_rows(axes, [one.name for one in parameters], style.WIDTH / 3)
+        axes.annotate(
+            text, (_place(parameter, parameter.value), row), (0, 6), textcoords="offset points", ha=side, **LABELLED
+        )
+    parameter_rows(axes, [parameter.name for parameter in parameters], style.WIDTH / 3)
     axes.set_ylim(len(parameters) - 0.4, -0.8)
     axes.set_xticks([0, 1], ["lower bound", "upper bound"])
     axes.set_xlim(-0.06, 1.06)
     axes.legend(fontsize=style.SMALL, frameon=False, ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0))
 
 
-def _value(one: DesignParameter, units: ShownUnits) -> str:
-    value, unit = one.value * units.scale(one.name, one.unit), units.unit(one.name, one.unit)
+def _value(parameter: DesignParameter, units: ShownUnits) -> str:
+    value, unit = (
+        parameter.value * units.scale(parameter.name, parameter.unit),
+        units.unit(parameter.name, parameter.unit),
+    )
     return f"{style.tick_text(float(f'{value:.4g}'))} {typeset_unit(unit)}".strip()
 
 
@@ -105,10 +112,12 @@ def _shown(objective: DesignObjective, units: ShownUnits) -> tuple[float, str]:
     return units.scale(first), axis_label(objective.name, units.unit(first), LABEL_WIDTH)
 
 
-def _place(one: DesignParameter, value: float) -> float:
+def _place(parameter: DesignParameter, value: float) -> float:
     """Place of a value between the bounds of its parameter, from 0 at the lower to 1 at the upper one."""
-    is_log = one.lower > 0 and one.upper > WIDE_BOUNDS * one.lower
-    low, high, at = np.log([one.lower, one.upper, value]) if is_log else (one.lower, one.upper, value)
+    is_log = parameter.lower > 0 and parameter.upper > WIDE_BOUNDS * parameter.lower
+    low, high, at = (
+        np.log([parameter.lower, parameter.upper, value]) if is_log else (parameter.lower, parameter.upper, value)
+    )
     return float(np.clip((at - low) / (high - low), -0.04, 1.04))
 
 
@@ -139,13 +148,13 @@ def damper_over_conditions(
         units.unit(result.channel.name, result.channel.unit),
     )
     for number, (label, what, mark) in enumerate(marks):
-        levels = [scale * getattr(one, what).level for one in result.conditions]
+        levels = [scale * getattr(condition, what).level for condition in result.conditions]
         axes.plot(levels, rows, mark, markersize=7, color=style.PALETTE[(4, 1, 0)[number]], label=label)
     axes.axvline(scale * result.worst.after.level, color=style.MUTED, linewidth=0.8)
-    text_rows(axes, [one.condition or result.title for one in result.conditions], style.WIDTH)
+    text_rows(axes, [condition.condition or result.title for condition in result.conditions], style.WIDTH)
     axes.set_xlabel(f"largest {axis_label(result.channel.name, unit)}")
     legend_below(sheet, *axes.get_legend_handles_labels())
-    best = ", ".join(f"{one.name} = {_value(one, units)}" for one in result.parameters)
+    best = ", ".join(f"{parameter.name} = {_value(parameter, units)}" for parameter in result.parameters)
     return sheet.titled(f"{result.title}: {best}" if title is None else title)
 
 
@@ -168,12 +177,14 @@ def pareto_front(
     -------
     matplotlib.figure.Figure
     """
-    names = [one.name for one in result.objectives]
+    names = [objective.name for objective in result.objectives]
     shows = [f"{up} over {across}" for across, up in pairwise(names)]
     sheet, _ = style.grid_panels(style.WIDTH, 3.6, shows, ax, columns=len(shows))
     for number, axes in enumerate(sheet.panels):
         style.style_axes(axes)
-        (x, across_label), (y, up_label) = (_shown(one, units) for one in result.objectives[number : number + 2])
+        (x, across_label), (y, up_label) = (
+            _shown(objective, units) for objective in result.objectives[number : number + 2]
+        )
         across, up = result.values[:, number] * x, result.values[:, number + 1] * y
         axes.plot(across, up, "o", markersize=4, color=style.PALETTE[0], label="best compromises")
         middle = result.compromise
@@ -211,9 +222,11 @@ def robust_optimum(
     shows = [*shown, *(["share that keeps all limits"] if result.limited else [])]
     sheet, _ = style.grid_panels(style.WIDTH, 3.2, shows, ax, columns=len(shows))
     every = sheet.panels
-    labels = [one.label for one in result.designs]
+    labels = [design.label for design in result.designs]
     for name, axes in zip(shown, every, strict=False):
-        means, deviations = ([getattr(one, what)[name] for one in result.designs] for what in ("mean", "deviation"))
+        means, deviations = (
+            [getattr(design, what)[name] for design in result.designs] for what in ("mean", "deviation")
+        )
         scale = units.scale(name)
         axes.errorbar(
             range(len(labels)), scale * np.array(means), scale * np.array(deviations), fmt="o", capsize=5,
@@ -221,7 +234,7 @@ def robust_optimum(
         )  # fmt: skip
         axes.set_ylabel(f"{axis_label(name, units.unit(name), LABEL_WIDTH)}\nmean and standard deviation")
     if result.limited:
-        shares = 100 * np.array([one.share_kept for one in result.designs])
+        shares = 100 * np.array([design.share_kept for design in result.designs])
         ends = np.abs(shares[:, 1:].T - shares[:, 0])
         every[-1].errorbar(range(len(labels)), shares[:, 0], ends, fmt="o", capsize=5, color=style.PALETTE[2])
         every[-1].set_ylabel("keep all limits [%]\n95 % confidence")
@@ -266,7 +279,7 @@ def damper_design(
     """
     largest = max(result.before.level, result.after.level)
     scale, unit = axis_unit(result.channel.unit, largest, conventions)
-    below = [f"maximum over {one.name}" for one in result.parameters]
+    below = [f"maximum over {parameter.name}" for parameter in result.parameters]
     sheet = style.mosaic_panels(6.4, [["levels"] * len(below), below], ax, height_ratios=(1.5, 1))
     levels, *effects = sheet.panels
     _draw_levels(levels, result, scale, unit)
@@ -282,8 +295,8 @@ def _draw_levels(axes: Axes, result: DamperOptimum, scale: float, unit: str) -> 
         axes.plot(curve.points, curve.levels * scale, label=curve.label, **style.line_style(number))
     for label, mark, points in (("maximum", "o", result.peaks), ("all films meet", "x", result.fixed_points)):
         if points:
-            sizes = [one.level * scale for one in points]
-            axes.plot([one.point for one in points], sizes, mark, color=style.INK, label=label, **MARK)
+            sizes = [point.level * scale for point in points]
+            axes.plot([point.point for point in points], sizes, mark, color=style.INK, label=label, **MARK)
     top = max(result.before.level, result.after.level) * scale
     lowest = min(curve.levels.min() for curve in result.curves[:2]) * scale
     low, high = max(0.8 * lowest, top / BOTTOM_FACTOR), TOP_FACTOR * top
@@ -303,18 +316,18 @@ def _draw_levels(axes: Axes, result: DamperOptimum, scale: float, unit: str) -> 
 
 def _draw_effect(axes: Axes, result: DamperOptimum, number: int, scale: float) -> None:
     """Draw the largest vibration level over one damper value, with a line at the value given."""
-    one = result.parameters[number]
-    axes.plot(one.values, one.largest * scale, color=style.INK, linewidth=1.6)
-    axes.plot([one.value], [result.after.level * scale], "o", color=style.INK, **MARK)
-    if one.lower <= one.start <= one.upper:
-        axes.axvline(one.start, label="as given", **style.line_style(0))
-    if one.lower > 0 and one.upper > WIDE_RANGE * one.lower:
+    parameter = result.parameters[number]
+    axes.plot(parameter.values, parameter.largest * scale, color=style.INK, linewidth=1.6)
+    axes.plot([parameter.value], [result.after.level * scale], "o", color=style.INK, **MARK)
+    if parameter.lower <= parameter.start <= parameter.upper:
+        axes.axvline(parameter.start, label="as given", **style.line_style(0))
+    if parameter.lower > 0 and parameter.upper > WIDE_RANGE * parameter.lower:
         axes.set_xscale("log")
-        style.log_ticks(axes.xaxis, one.lower, one.upper)
+        style.log_ticks(axes.xaxis, parameter.lower, parameter.upper)
     every = np.concatenate([each.largest for each in result.parameters]) * scale
     lowest, highest = every.min(), every.max()
     if highest > WIDE_RANGE * lowest:
         axes.set_yscale("log")
         style.log_ticks(axes.yaxis, lowest, highest)
-    axes.set_xlim(one.lower, one.upper)
-    axes.set_xlabel(f"{one.name} [{typeset_unit(one.unit or '1')}]")
+    axes.set_xlim(parameter.lower, parameter.upper)
+    axes.set_xlabel(f"{parameter.name} [{typeset_unit(parameter.unit or '1')}]")

@@ -64,22 +64,22 @@ def limit_shares(
     -------
     matplotlib.figure.Figure
     """
-    names = list(dict.fromkeys(one.quantity for one in result.distributions))
-    cases = len(dict.fromkeys(one.configuration for one in result.distributions))
+    names = list(dict.fromkeys(distribution.quantity for distribution in result.distributions))
+    cases = len(dict.fromkeys(distribution.configuration for distribution in result.distributions))
     height = 0.8 + max(2.4, 0.9 + LEGEND_LINE * cases) * len(names)
     sheet, _ = style.grid_panels(style.WIDTH, height, names, ax)
     for axes, name in zip(sheet.panels, names, strict=True):
-        _panel(axes, result, [one for one in result.distributions if one.quantity == name], units)
+        _panel(axes, result, [spread for spread in result.distributions if spread.quantity == name], units)
     return sheet.titled(result.title if title is None else title)
 
 
 def _panel(axes: Axes, result: YieldResult, distributions: list[LimitedValues], units: ShownUnits) -> None:
     first = distributions[0]
     scale = units.scale(first.curve or first.quantity, first.unit)
-    for number, one in enumerate(distributions):
-        _drawn(axes, one, scale, number, _label(result, one))
+    for number, distribution in enumerate(distributions):
+        _drawn(axes, distribution, scale, number, _label(result, distribution))
     style.style_axes(axes)
-    with_values = [one for one in distributions if one.counts.any()]
+    with_values = [distribution for distribution in distributions if distribution.counts.any()]
     if with_values:
         _ends(axes, first, scale, with_values, units)
         axes.set_ylim(bottom=0)
@@ -94,31 +94,30 @@ def _panel(axes: Axes, result: YieldResult, distributions: list[LimitedValues], 
         style.legend_beside(axes)
 
 
-def _label(result: YieldResult, one: LimitedValues) -> str:
-    share = next(
-        (each.share for each in result.shares
-         if each.configuration == one.configuration and f" {one.quantity} " in f" {each.limit} "), None,
-    )  # fmt: skip
-    return one.configuration if share is None else f"{one.configuration}: {share.percent} beyond"
+def _label(result: YieldResult, distribution: LimitedValues) -> str:
+    case, quantity = distribution.configuration, f" {distribution.quantity} "
+    shares = (each.share for each in result.shares if each.configuration == case and quantity in f" {each.limit} ")
+    share = next(shares, None)
+    return case if share is None else f"{case}: {share.percent} beyond"
 
 
-def _drawn(axes: Axes, one: LimitedValues, scale: float, number: int, label: str) -> None:
+def _drawn(axes: Axes, distribution: LimitedValues, scale: float, number: int, label: str) -> None:
     """Draw a histogram of the variants' values in percent, or a vertical line if all variants have the same value."""
     look = style.line_style(number)
-    if not one.counts.any():
+    if not distribution.counts.any():
         axes.plot([], [], label=label, **look)
-    elif one.constant is not None:
-        axes.plot([scale * one.constant] * 2, [0, 100], label=label, **look)
+    elif distribution.constant is not None:
+        axes.plot([scale * distribution.constant] * 2, [0, 100], label=label, **look)
     else:
-        density = one.counts / max(one.counts.sum(), 1) * 100
-        axes.stairs(density, one.edges * scale, label=label, **look)
+        density = distribution.counts / max(distribution.counts.sum(), 1) * 100
+        axes.stairs(density, distribution.edges * scale, label=label, **look)
 
 
 def _ends(axes: Axes, first: LimitedValues, scale: float, drawn: list[LimitedValues], units: ShownUnits) -> None:
     """Set the ends of the value axis to all values and near limits, shade beyond limits, and name far limits."""
-    low = scale * min(one.edges[0] for one in drawn)
-    high = scale * max(one.edges[-1] for one in drawn)
-    spread = high - low if any(one.constant is None for one in drawn) else max(abs(low), abs(high))
+    low = scale * min(distribution.edges[0] for distribution in drawn)
+    high = scale * max(distribution.edges[-1] for distribution in drawn)
+    spread = high - low if any(distribution.constant is None for distribution in drawn) else max(abs(low), abs(high))
     sides = [None if side is None else side * scale for side in (first.above, first.below)]
     near = [side for side in sides if side is not None and low - spread <= side <= high + spread]
     low, high = min([low, *near]), max([high, *near])
@@ -171,11 +170,14 @@ def failure_probabilities(
     del units
     events = list(result.events.items())
     ends = [
-        side for _, one in events for side in (one.low, one.high, one.probability) if np.isfinite(side) and side > 0
+        side
+        for _, event in events
+        for side in (event.low, event.high, event.probability)
+        if np.isfinite(side) and side > 0
     ]
     sheet, axes = style.one_panel(1.3 + 0.34 * len(events), ax)
-    for place, (_, one) in enumerate(events):
-        _drawn_probabilities(axes, place, one)
+    for place, (_, event) in enumerate(events):
+        _drawn_probabilities(axes, place, event)
     if ends:
         low, high = min(ends) / 1.5, max(ends) * 1.5
         axes.set_xlim(low, high)
@@ -189,12 +191,12 @@ def failure_probabilities(
     return sheet.titled(result.title if title is None else title)
 
 
-def _drawn_probabilities(axes: Axes, place: int, one: RareEvent) -> None:
-    color = BEYOND_COLOR if one.doubts else style.PALETTE[0]
-    if np.isfinite(one.low):
-        axes.hlines(place, one.low, one.high, color=color, linewidth=2.0)
-    if one.probability:
-        axes.plot(one.probability, place, "o", color=color, markerfacecolor=style.PAPER if one.doubts else color)
+def _drawn_probabilities(axes: Axes, place: int, event: RareEvent) -> None:
+    color = BEYOND_COLOR if event.doubts else style.PALETTE[0]
+    if np.isfinite(event.low):
+        axes.hlines(place, event.low, event.high, color=color, linewidth=2.0)
+    if event.probability:
+        axes.plot(event.probability, place, "o", color=color, markerfacecolor=style.PAPER if event.doubts else color)
     else:
         axes.text(
             0.02, place, "no failure was met", transform=axes.get_yaxis_transform(), fontsize=style.SMALL,

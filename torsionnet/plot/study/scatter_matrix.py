@@ -109,19 +109,19 @@ def scatter_matrix(
 
 def _strongest(result: ScatterResult, cases: list[str]) -> list[str]:
     sizes = np.nan_to_num(
-        np.max([np.abs(one.coefficients) for (case, _), one in result.correlations.items() if case in cases], axis=0)
+        np.max([np.abs(row.coefficients) for (case, _), row in result.correlations.items() if case in cases], axis=0)
     )
     kept = sorted(np.argsort(-sizes, kind="stable")[:MOST_PARAMETERS].tolist())
     return [list(result.parameter_units)[place] for place in kept]
 
 
 def _points(axes: Axes, x: dict[str, FloatArray], y: dict[str, FloatArray]) -> None:
-    across, up = (np.concatenate(list(one.values())) for one in (x, y))
+    across, up = (np.concatenate(list(by_case.values())) for by_case in (x, y))
     there = np.isfinite(across) & np.isfinite(up)
     if not there.any():
         write_in_empty_panel(axes, "no values")
     elif len(across) >= MANY_POINTS:
-        bins = [_bins(one[there]) for one in (across, up)]
+        bins = [_bins(samples[there]) for samples in (across, up)]
         axes.hist2d(across[there], up[there], bins=bins, cmap="Blues", cmin=1, rasterized=True)
     else:
         for number, case in enumerate(x):
@@ -204,7 +204,9 @@ def parallel_coordinates(
     """
     names = list(result.units)
     scales = {name: units.scale(name, si) for name, si in result.units.items()}
-    every = {name: scales[name] * finite_values(one[name] for one in result.variants.values()) for name in names}
+    every = {
+        name: scales[name] * finite_values(variants[name] for variants in result.variants.values()) for name in names
+    }
     width = max(style.WIDTH, AXIS_DISTANCE * len(names))
     height = TALL_PANEL if len(result.variants) <= MOST_TALL else LOW_PANEL
     sheet, _ = style.grid_panels(width, 1.2 + height * len(result.variants), list(result.variants), ax)

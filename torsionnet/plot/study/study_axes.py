@@ -41,7 +41,7 @@ def symbol_or_text(name: str) -> str:
     >>> print(symbol_or_text("k_1"), symbol_or_text("a price in $"))
     $k_{\mathrm{1}}$ a price in \$
     """
-    return found if (found := symbol(name)) != name else _without_math(name)
+    return as_symbol if (as_symbol := symbol(name)) != name else _without_math(name)
 
 
 def axis_label(name: str, unit: str, inches: float = math.inf) -> str:
@@ -137,7 +137,7 @@ def write_in_empty_panel(axes: Axes, text: str) -> None:
 
 def finite_values(values: Iterable[ArrayLike]) -> NDArray[np.float64]:
     """Finite values of several arrays as one array, shape (n,)."""
-    every = np.concatenate([np.ravel(np.asarray(one, dtype=float)) for one in values])
+    every = np.concatenate([np.ravel(np.asarray(array, dtype=float)) for array in values])
     return np.asarray(every[np.isfinite(every)])
 
 
@@ -183,8 +183,8 @@ def study_bars(shows: Sequence[str], rows: int, names: Sequence[str], ax: GivenA
 
 def bars_legend(sheet: style.Sheet, behind: str = "") -> None:
     """Draw the legend of all panels with the labels of the first panel that has any, each followed by ``behind``."""
-    found = (axes.get_legend_handles_labels() for axes in sheet.panels)
-    handles, labels = next(((handles, labels) for handles, labels in found if labels), ((), ()))
+    legends = (axes.get_legend_handles_labels() for axes in sheet.panels)
+    handles, labels = next(((handles, labels) for handles, labels in legends if labels), ((), ()))
     if labels:
         legend_below(sheet, handles, [f"{label}{behind}" for label in labels])
 

@@ -71,11 +71,11 @@ def parameter_matrix(
     width = max(style.WIDTH, NAMES_WIDTH + FIELD_WIDTH * len(cases))
     height = 1.6 + len(values) * (0.9 + FIELD_HEIGHT * len(parameters))
     sheet, _ = style.grid_panels(width, height, list(values), ax, sharex=True)
-    for axes, (quantity, found) in zip(sheet.panels, values.items(), strict=True):
+    for axes, (quantity, matrix) in zip(sheet.panels, values.items(), strict=True):
         scale = scales[quantity]
-        order = np.argsort(-np.nan_to_num(np.abs(found)).max(axis=1), kind="stable")
+        order = np.argsort(-np.nan_to_num(np.abs(matrix)).max(axis=1), kind="stable")
         axes.set_facecolor(style.FAINT)
-        shown = axes.imshow(found[order], cmap=scale.colours, vmin=scale.low, vmax=scale.high, aspect="auto")
+        shown = axes.imshow(matrix[order], cmap=scale.colours, vmin=scale.low, vmax=scale.high, aspect="auto")
         parameter_rows(axes, [parameters[place] for place in order], width)
         axes.set_ylim(len(parameters) - 0.5, -0.5)
         axes.tick_params(labelsize=style.SMALL)
@@ -119,10 +119,10 @@ def study_tornado(
     sheet, width = study_bars(shows, min(MOST_PARAMETERS, len(names)), names, ax)
     for axes, (case, quantity) in zip(sheet.panels, pairs, strict=True):
         scale, unit = units.scale(quantity, result.units[quantity]), units.unit(quantity, result.units[quantity])
-        one = result.swings[case, quantity]
-        _bars(axes, one, list(result.spans[case]), scale, width)
+        swings = result.swings[case, quantity]
+        _bars(axes, swings, list(result.spans[case]), scale, width)
         axes.set_xlabel(axis_label(quantity, unit, width))
-        middle = "" if np.isnan(one.middle) else f"{screen_text(one.middle * scale, 4)} in the middle"
+        middle = "" if np.isnan(swings.middle) else f"{screen_text(swings.middle * scale, 4)} in the middle"
         told = [*([case] if len(cases) > 1 else []), *([middle] if middle else [])]
         panel_title(axes, ": ".join(told), width - 0.4)
     bars_legend(sheet)
@@ -138,26 +138,28 @@ def _matrix(result: TornadoResult, units: ShownUnits, ax: GivenAxes) -> style.Sh
     changes, scales = {}, {}
     for quantity, si in result.units.items():
         swings = [result.swings[case, quantity] for case in cases]
-        changes[quantity] = units.scale(quantity, si) * np.column_stack([one.at_high - one.at_low for one in swings])
+        changes[quantity] = units.scale(quantity, si) * np.column_stack(
+            [swing.at_high - swing.at_low for swing in swings]
+        )
         most = float(np.abs(np.nan_to_num(changes[quantity])).max()) or 1.0
         label = f"change from low to high end {unit_in_brackets(typeset_unit(units.unit(quantity, si)))}".rstrip()
         scales[quantity] = ColourScale(label, "RdBu_r", -most, most)
     return parameter_matrix(changes, names, cases, scales, ax)
 
 
-def _bars(axes: Axes, one: Swings, names: list[str], scale: float, width: float) -> None:
-    shown = one.order[:MOST_PARAMETERS]
+def _bars(axes: Axes, swings: Swings, names: list[str], scale: float, width: float) -> None:
+    shown = swings.order[:MOST_PARAMETERS]
     style.style_axes(axes)
     parameter_rows(axes, [names[place] for place in shown], width)
-    ends = np.array([one.at_low[shown], one.at_high[shown]])
-    if not (np.abs(ends - one.middle) > EQUAL_VALUES * abs(one.middle)).any():
-        write_in_empty_panel(axes, "no value" if np.isnan(one.middle) else "moved by no parameter")
+    ends = np.array([swings.at_low[shown], swings.at_high[shown]])
+    if not (np.abs(ends - swings.middle) > EQUAL_VALUES * abs(swings.middle)).any():
+        write_in_empty_panel(axes, "no value" if np.isnan(swings.middle) else "moved by no parameter")
         axes.set_xticks([])
         return
-    low, high = (ends - one.middle) * scale
+    low, high = (ends - swings.middle) * scale
     bars = [
-        Bars(low, style.PALETTE[5], "parameter at its low end", one.middle * scale, alpha=0.9),
-        Bars(high, style.PALETTE[1], "at its high end", one.middle * scale, alpha=0.9),
+        Bars(low, style.PALETTE[5], "parameter at its low end", swings.middle * scale, alpha=0.9),
+        Bars(high, style.PALETTE[1], "at its high end", swings.middle * scale, alpha=0.9),
     ]
     draw_bars(axes, len(shown), bars, line=style.INK, width=0.9)
     axes.locator_params(axis="x", nbins=4)
@@ -201,8 +203,8 @@ def sobol_indices(
     shows = [f"{quantity}, {case}" if case else quantity for (case, quantity), _ in _by_quantity(result)]
     sheet, width = study_bars(shows, rows, result.parameters, ax)
     panels = sheet.panels
-    for axes, ((case, quantity), one) in zip(panels, _by_quantity(result), strict=True):
-        _index_bars(axes, one, result.parameters, width)
+    for axes, ((case, quantity), estimates) in zip(panels, _by_quantity(result), strict=True):
+        _index_bars(axes, estimates, result.parameters, width)
         panel_title(axes, f"{quantity}, {case}" if len(cases) > 1 else quantity, width - 0.4)
     columns = round(style.WIDTH / width)
     for axes in panels[-columns:]:
@@ -224,22 +226,22 @@ def _index_matrix(result: SobolResult, cases: list[str], ax: GivenAxes) -> style
 
 def _by_quantity(result: SobolResult) -> list[tuple[tuple[str, str], SobolEstimates]]:
     names = list(dict.fromkeys(name for _, name in result.indices))
-    return sorted(result.indices.items(), key=lambda one: names.index(one[0][1]))
+    return sorted(result.indices.items(), key=lambda pair: names.index(pair[0][1]))
 
 
-def _index_bars(axes: Axes, one: SobolEstimates, parameters: tuple[str, ...], width: float) -> None:
-    order = np.argsort(-np.nan_to_num(one.total, nan=-np.inf), kind="stable")[:MOST_PARAMETERS].tolist()
+def _index_bars(axes: Axes, shares: SobolEstimates, parameters: tuple[str, ...], width: float) -> None:
+    order = np.argsort(-np.nan_to_num(shares.total, nan=-np.inf), kind="stable")[:MOST_PARAMETERS].tolist()
     style.style_axes(axes)
     parameter_rows(axes, [parameters[place] for place in order], width)
     axes.set_xlim(AXIS_ENDS)
-    if not np.isfinite(one.total).any():
+    if not np.isfinite(shares.total).any():
         write_in_empty_panel(axes, "no variance to be shared")
         return
     bars = [
         Bars(values[order], color, label, height=BAR_HEIGHT, below=shift, intervals=(low[order], high[order]))
         for shift, color, values, low, high, label in (
-            (-BAR_HEIGHT / 2, style.PALETTE[0], one.first, one.first_low, one.first_high, "first order"),
-            (BAR_HEIGHT / 2, style.PALETTE[1], one.total, one.total_low, one.total_high, "total"),
+            (-BAR_HEIGHT / 2, style.PALETTE[0], shares.first, shares.first_low, shares.first_high, "first order"),
+            (BAR_HEIGHT / 2, style.PALETTE[1], shares.total, shares.total_low, shares.total_high, "total"),
         )
     ]
     draw_bars(axes, len(order), bars)

@@ -48,13 +48,13 @@ def worst_variants(
     -------
     matplotlib.figure.Figure
     """
-    cases = list(dict.fromkeys(one.configuration for one in result.variants))
+    cases = list(dict.fromkeys(variant.configuration for variant in result.variants))
     names = list(result.parameter_units)
     sheet = (_panels if len(cases) <= MOST_PANELS else _table)(result, cases, names, units, ax)
-    directions = dict.fromkeys(one.direction for one in result.variants)
+    directions = dict.fromkeys(variant.direction for variant in result.variants)
     marks = [Line2D([], [], color=style.MUTED, linewidth=1.0)]
-    marks += [Line2D([], [], color=COLORS[one], linewidth=6.0) for one in directions]
-    texts = ["as given", *(f"{one} value" for one in directions)]
+    marks += [Line2D([], [], color=COLORS[direction], linewidth=6.0) for direction in directions]
+    texts = ["as given", *(f"{direction} value" for direction in directions)]
     if len(cases) > MOST_PANELS:
         marks += [Line2D([], [], marker=mark, color=style.MUTED, linestyle="none") for mark in PLACES]
         texts += PLACES.values()
@@ -71,7 +71,7 @@ def _panels(
     shows = [f"{what} of {case}" if case else what for case in cases for what in (result.quantity, "parameters")]
     sheet, panels = style.grid_panels(style.WIDTH, 1.1 + len(cases) * height, shows, ax, columns=2, sharex="col")
     for row, case in zip(panels, cases, strict=True):
-        here = [one for one in result.variants if one.configuration == case]
+        here = [variant for variant in result.variants if variant.configuration == case]
         _values(row[0], here, 0, units.scale(result.quantity, result.unit))
         text_rows(row[0], [case], HALF_WIDTH)
         row[0].set_ylim(0.6, -0.9)
@@ -93,11 +93,11 @@ def _table(
     sheet, _ = style.grid_panels(width, 1.9 + 0.38 * len(cases), shows, ax, columns=2, sharey=True)
     values, places = sheet.panels
     for number, case in enumerate(cases):
-        here = [one for one in result.variants if one.configuration == case]
+        here = [variant for variant in result.variants if variant.configuration == case]
         _values(values, here, number, units.scale(result.quantity, result.unit), texts=False)
-        for one in here:
-            level = number + (0.0 if len(here) == 1 else -0.2 if one.direction == "largest" else 0.2)
-            _strip(places, list(_shares(one, names)), level, one.direction)
+        for variant in here:
+            level = number + (0.0 if len(here) == 1 else -0.2 if variant.direction == "largest" else 0.2)
+            _strip(places, list(_shares(variant, names)), level, variant.direction)
     text_rows(values, cases, HALF_WIDTH)
     places.tick_params(labelleft=False)
     values.set_xlabel(axis_label(result.quantity, units.unit(result.quantity, result.unit), HALF_WIDTH))
@@ -122,34 +122,34 @@ AT_BOUND = 1e-3
 
 def _values(axes: Axes, here: list[WorstVariant], row: int, scale: float, *, texts: bool = True) -> None:
     style.style_axes(axes)
-    if all(np.isnan(one.value) for one in here):
+    if all(np.isnan(variant.value) for variant in here):
         write_in_empty_panel(axes, "no value")
         return
     axes.plot([here[0].nominal * scale] * 2, [row - 0.4, row + 0.4], color=style.MUTED, linewidth=1.0)
-    for one in here:
-        axes.barh(row, (one.value - one.nominal) * scale, left=one.nominal * scale, height=0.5,
-                  color=COLORS[one.direction])  # fmt: skip
+    for variant in here:
+        axes.barh(row, (variant.value - variant.nominal) * scale, left=variant.nominal * scale, height=0.5,
+                  color=COLORS[variant.direction])  # fmt: skip
     axes.margins(x=0.15)
     if not texts:
         return
-    for one in here[:1] if len({screen_text(one.value, 4) for one in here}) == 1 else here:
-        side = "left" if len(here) > 1 and one.direction == "largest" else "right" if len(here) > 1 else "center"
+    for variant in here[:1] if len({screen_text(variant.value, 4) for variant in here}) == 1 else here:
+        side = "left" if len(here) > 1 and variant.direction == "largest" else "right" if len(here) > 1 else "center"
         axes.annotate(
-            screen_text(one.value * scale, 4), (one.value * scale, row - 0.3), ha=side, va="bottom",
+            screen_text(variant.value * scale, 4), (variant.value * scale, row - 0.3), ha=side, va="bottom",
             fontsize=style.SMALL, color=style.INK,
         )  # fmt: skip
 
 
-def _shares(one: WorstVariant, names: list[str]) -> list[float]:
+def _shares(variant: WorstVariant, names: list[str]) -> list[float]:
     """List of the places of parameters within their tolerances, from 0 at the lower to 1 at the upper end."""
-    ends = [(one.variant[name], *one.tolerance[name]) for name in names]
+    ends = [(variant.variant[name], *variant.tolerance[name]) for name in names]
     return [(value - low) / (high - low) if high > low else 0.5 for value, low, high in ends]
 
 
 def _places(axes: Axes, here: list[WorstVariant], names: list[str]) -> None:
     style.style_axes(axes)
-    for one in here:
-        axes.plot(_shares(one, names), range(len(names)), "^" if one.direction == "largest" else "v",
-                  color=COLORS[one.direction], markersize=7, clip_on=False)  # fmt: skip
+    for variant in here:
+        axes.plot(_shares(variant, names), range(len(names)), "^" if variant.direction == "largest" else "v",
+                  color=COLORS[variant.direction], markersize=7, clip_on=False)  # fmt: skip
     parameter_rows(axes, names, HALF_WIDTH)
     axes.set_xlim(-0.03, 1.03)
