@@ -137,7 +137,8 @@ class Drivetrain(AssembledModel, AttributeHints):
         Parameters
         ----------
         M, C, K : (n, n) arrays
-            Inertia in kg m^2, damping in N m s/rad and stiffness in N m/rad; symmetric, without negative parts.
+            Inertia in kg m^2, damping in N m s/rad and stiffness in N m/rad; symmetric, without negative parts, also
+            sparse.
         names : sequence of str, optional
             Nodes in the order of the rows; default: ``q1``, ``q2``, ...
         name : str
@@ -164,8 +165,12 @@ class Drivetrain(AssembledModel, AttributeHints):
         """
         from torsionnet.model.elements.lumped_matrices import LumpedMatrices
 
-        count = len(M) if isinstance(M, Sized) else 1  # what is no matrix is refused by the element
         entries: dict[str, Any] = {"inertia": M, "damping": C, "stiffness": K}
+        entries = {
+            name: one.toarray() if hasattr(one, "toarray") else one for name, one in entries.items()
+        }  # sparse ones
+        M = entries["inertia"]
+        count = len(M) if isinstance(M, Sized) else 1  # what is no matrix is refused by the element
         nodes = [f"q{number}" for number in range(1, count + 1)] if names is None else list(names)
         element = LumpedMatrices.from_entries("matrices", nodes=nodes, **entries)
         return cls(name, [element], inputs=inputs, sensors=sensors)

@@ -9,7 +9,9 @@ import pytest
 import torsionnet as tn
 from torsionnet.base import familiar_words
 from torsionnet.model.elements import ELEMENT_TYPES
+from torsionnet.study.study_result import StudyResult
 from torsionnet.symbolic.symbolic_system import SymbolicSystem
+from torsionnet.symbolic.transfer_function import TransferFunction
 
 SPRING = "elements: {{s: {{type: {kind}, nodes: [a, b], {entries}}}, j: {{type: inertia, node: a, inertia: 1}}}}"
 
@@ -61,25 +63,27 @@ def test_a_damper_is_not_told_of_damping_ratios():
 def test_constructors():
     with pytest.raises(TypeError, match=r'diameter.; did you mean "outer_diameter"[?]$'):
         tn.Shaft("s", ("a", "b"), length="1 m", diameter="50 mm")
-    with pytest.raises(TypeError, match=r"leave it out for steel; for another material"):
+    with pytest.raises(TypeError, match=r"'material'; leave it out for steel"):
         tn.Shaft("s", ("a", "b"), length="1 m", outer_diameter="50 mm", material="steel")
-    with pytest.raises(TypeError, match=r"missing 1 required positional argument: 'node'$"):
+    with pytest.raises(TypeError, match=r"required positional argument: 'node'$"):
         tn.Inertia("j", inertia=2)
     with pytest.raises(TypeError, match=r"unexpected keyword argument 'xyz'$"):
         tn.Inertia("j", "a", 2, xyz=1)
+    with pytest.raises(TypeError, match=r"^Drivetrain.__init__\(\) .*'damping'; damping belongs to the elements"):
+        tn.Drivetrain("rig", [tn.Inertia("j", "a", 2)], damping=0.02)
 
 
 def test_arguments_of_methods():
     rig = tn.load("dmf_rig")
-    with pytest.raises(TypeError, match=r"^modes\(\) got .*'damping'; write damping=\{\"zeta\""):
+    with pytest.raises(TypeError, match=r"^modes\(\) .*'damping'; write damping=\{\"zeta\""):
         rig.modes(damping=0.02)
     with pytest.raises(
-        TypeError, match=r"^simulate\(\) .*'method'; it is one of frequency_response\(\), frequency_responses\(\)$"
+        TypeError, match=r"^simulate\(\) .*'method'; .* of frequency_response\(\), frequency_responses\(\)$"
     ):
         rig.simulate("theta_1", "T_T", 100, method="fast")
-    with pytest.raises(TypeError, match=r"'freqs'; did you mean .frequencies.[?]$"):
+    with pytest.raises(TypeError, match=r"'freqs'; .* .frequencies.[?]$"):
         rig.frequency_response("theta_1", "T_T", freqs=[1.0])
-    with pytest.raises(TypeError, match=r"'rpm'; it takes measured_input, driven_by, lowest, up_to$"):
+    with pytest.raises(TypeError, match=r"'rpm'; .* measured_input, driven_by, lowest, up_to$"):
         rig.modes(rpm=100)
 
 
@@ -89,27 +93,25 @@ def test_methods_keep_their_signatures():
 
 
 def test_names_of_packages():
-    with pytest.raises(AttributeError, match=r"no attribute 'Model'; write tn.Drivetrain"):
+    with pytest.raises(AttributeError, match=r"'Model'; write tn.Drivetrain"):
         tn.Model  # noqa: B018
-    with pytest.raises(AttributeError, match=r"no attribute 'Sprig'; did you mean .Spring."):
+    with pytest.raises(AttributeError, match=r"'Sprig'; did you mean .Spring."):
         tn.Sprig  # noqa: B018
-    with pytest.raises(AttributeError, match=r"no attribute 'modes'; write plot.mode_shapes"):
+    with pytest.raises(AttributeError, match=r"'modes'; write plot.mode_shapes"):
         tn.plot.modes  # noqa: B018
     with pytest.raises(AttributeError, match=r"'bode'; write plot\.bode\("):
         tn.report.bode  # noqa: B018
-    with pytest.raises(AttributeError, match=r"no attribute 'ode45'; write tn.Drivetrain.simulate"):
+    with pytest.raises(AttributeError, match=r"'ode45'; write tn.Drivetrain.simulate"):
         tn.ode45  # noqa: B018
 
 
 def test_attributes():
     rig = tn.load("dmf_rig")
-    with pytest.raises(
-        AttributeError, match=r"'Drivetrain' object has no attribute 'frf'; write model.frequency_response"
-    ):
+    with pytest.raises(AttributeError, match=r"^'Drivetrain' .*'frf'; write model.frequency_response"):
         rig.frf  # noqa: B018
-    with pytest.raises(AttributeError, match=r"no attribute 'modess'; did you mean .modes.[?]$"):
+    with pytest.raises(AttributeError, match=r"'modess'; did you mean .modes.[?]$"):
         rig.modess  # noqa: B018
-    with pytest.raises(AttributeError, match=r"'Modes' object has no attribute 'zeta'; write modes.damping_ratios"):
+    with pytest.raises(AttributeError, match=r"^'Modes' .*'zeta'; write modes.damping_ratios"):
         rig.modes().zeta  # noqa: B018
     assert not hasattr(rig, "_ipython_canary_method_should_not_exist_")
 
@@ -122,8 +124,11 @@ def test_a_property_that_fails_says_its_own_error():
 
     failing = object.__new__(Failing)
     object.__setattr__(failing, "kinds", ())
-    with pytest.raises(AttributeError, match=r"'tuple' object has no attribute 'nothing_there'"):
+    with pytest.raises(AttributeError, match=r"^'tuple' .*'nothing_there'"):
         failing.wrong  # noqa: B018
+
+
+CLASSES = {"Recording": tn.signals.Recording, "StudyResult": StudyResult, "TransferFunction": TransferFunction}
 
 
 def there(place, of):
@@ -167,6 +172,6 @@ def test_no_word_hides_something_that_exists():
     for package, table in familiar_words.PYTHON.items():
         assert not {*table} & {*dir(import_module(package))}
     for name, table in familiar_words.METHODS.items():
-        assert not [word for word in table if there(word, getattr(tn, name))]
+        assert not [word for word in table if there(word, CLASSES.get(name) or getattr(tn, name))]
     assert not {*familiar_words.ELEMENT_TYPES} & {*ELEMENT_TYPES}
     assert {*familiar_words.ELEMENT_TYPES.values()} <= {*ELEMENT_TYPES}

@@ -80,10 +80,15 @@ def test_an_estimate_keeps_its_averaging_but_not_its_record(tmp_path):
         assert found.estimation.record is None
 
 
+OF_FOLDERS = {"Recording", "Study", "StudyResult", "Campaign", "CampaignResult", "Bench"}
+"""Results and questions that files or folders of their own keep."""
+
+
 def saved_classes():
     """Names of all classes of the package whose results JSON files keep, from the bases written in its modules."""
     sources = [path.read_text(encoding="utf-8") for path in Path(tn.__file__).parent.rglob("*.py")]
     written = [found for text in sources for found in re.findall(r"^class (\w+)\(([\w, ]+)[,)]", text, re.MULTILINE)]
+    assert {name for name, bases in written if "NotebookResult" in bases.split(", ")} == {"SavedResult", *OF_FOLDERS}
     known, before = {"SavedResult"}, set()
     while known != before:
         before = set(known)

@@ -111,6 +111,7 @@ elements:
         ([["1 kg", 1], [1, 2]], "wrong-unit", (0, 0)),
         ("stiff", "wrong-form", ()),
         ([[float("nan"), 1], [1, 2]], "not-a-number", (0, 0)),
+        ([[1, 1j], [1j, 2]], "not-a-number", ()),
     ],
 )
 def test_matrices_that_no_drivetrain_has(K, kind, place):
@@ -132,3 +133,25 @@ def test_a_nearly_symmetric_matrix_is_taken_as_its_mean():
     K = np.array([[3.0, -1 + 1e-13], [-1, 2]])
     found = tn.Drivetrain.from_matrices(np.eye(2), None, K).matrices().K
     np.testing.assert_allclose(found, [[3, -1], [-1, 2]], rtol=1e-12)
+
+
+def test_complex_stiffness_becomes_damping_at_its_frequency():
+    rig = tn.load("six_cylinder_diesel").configured("viscous_and_hysteretic")
+    system, f = rig.matrices(at=40.0), 40.0
+    assert system.K.imag.any()
+    again = tn.Drivetrain.from_matrices(
+        system.M, system.C + system.K.imag / (2 * np.pi * f), system.K.real, inputs={"T": {"torque": "q1"}}
+    )
+    found = again.frequency_response("q9", "T", [f]).values
+    dynamic = -system.M * (2 * np.pi * f) ** 2 + 2j * np.pi * f * system.C + system.K
+    np.testing.assert_allclose(found[0, 0, 0], np.linalg.inv(dynamic)[8, 0], rtol=1e-9)
+
+
+def test_matrices_of_other_packages():
+    import pandas as pd
+    import scipy.sparse
+    import sympy
+
+    K = [[3, -1], [-1, 2]]
+    for kind in (np.asarray, pd.DataFrame, sympy.Matrix, scipy.sparse.csr_array):
+        assert tn.Drivetrain.from_matrices(kind(np.eye(2)), None, kind(K)).matrices().K.tolist() == K

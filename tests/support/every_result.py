@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 
 import torsionnet as tn
+from support.stepped_sines import steps
 from torsionnet.base.units import RPM
 
 PLANT = """torsionnet: 1
@@ -417,6 +418,7 @@ def results():
         orders(),
         tracked(),
         torque_loops(),
+        steps(np.array([3.0, 7.0]), np.array([0.02, 0.02 - 0.001j]), np.array([4.0, 5.0])),
         wheel(),
     )
     yield from (

@@ -167,6 +167,7 @@ PYTHON: Mapping[str, Mapping[str, str]] = {
         "read_model": "tn.load(path)",
         "read_yaml": "tn.load(path)",
         "run_study": "tn.study.run_study(study)",
+        "read_csv": "tn.signals.read_recording(path)",
         "ode45": "tn.Drivetrain.simulate(output, input, sampling_rate)",
         "lsim": "tn.Drivetrain.simulate(output, input, sampling_rate)",
         "simulate": "tn.Drivetrain.simulate(output, input, sampling_rate)",
@@ -204,11 +205,13 @@ PYTHON: Mapping[str, Mapping[str, str]] = {
 
 _MATRICES = "model.matrices(), which has M, C and K in numbers, or model.symbolic() for formulas"
 _DAMPING = 'damping={"zeta": "2 %", "at": "12 Hz"} of its springs, to which damping belongs'
+_RECORD = "io.write_recording(record, path)"
 METHODS: Mapping[str, Mapping[str, str]] = {
     "Drivetrain": {
         "C": _MATRICES,
         "K": _MATRICES,
         "M": _MATRICES,
+        "T": _MATRICES,
         "bode": "plot.bode(model.frequency_response(output, input, frequencies))",
         "campbell": "model.critical_speeds(), and plot.interference_diagram for its picture",
         "damping": _DAMPING,
@@ -224,6 +227,7 @@ METHODS: Mapping[str, Mapping[str, str]] = {
         "lsim": "model.simulate(output, input, sampling_rate)",
         "modal": "model.modes()",
         "modal_damping": _DAMPING,
+        "mass_matrix": _MATRICES,
         "mode_shapes": "model.modes().shapes",
         "natural_frequencies": "model.modes().natural_frequencies",
         "orders": "model.order_response(output)",
@@ -239,8 +243,10 @@ METHODS: Mapping[str, Mapping[str, str]] = {
         "solve_ivp": "model.simulate(output, input, sampling_rate)",
         "ss": "model.to_control(output, input)",
         "state_space": "model.to_control(output, input)",
+        "stiffness_matrix": _MATRICES,
         "step": "model.simulate(output, input, sampling_rate), whose input is a row of ones",
         "to_file": "model.to_yaml(path)",
+        "to_networkx": "model.graph()",
         "transfer_function": "model.frequency_response for numbers, model.symbolic().transfer_function for a formula",
     },
     "Modes": {
@@ -248,6 +254,7 @@ METHODS: Mapping[str, Mapping[str, str]] = {
         "eigenvectors": "modes.shapes",
         "frequencies": "modes.natural_frequencies",
         "mode_shapes": "modes.shapes",
+        "omega": "2 * np.pi * modes.natural_frequencies",
         "plot": "plot.mode_shapes(modes)",
         "poles": "modes.eigenvalues",
         "wn": "2 * np.pi * modes.natural_frequencies",
@@ -260,6 +267,9 @@ METHODS: Mapping[str, Mapping[str, str]] = {
         "to_xarray": "response.to_dataframe().to_xarray()",
         "plot": "plot.bode(response)",
     },
+    "Recording": {"save": _RECORD, "to_json": _RECORD},
+    "StudyResult": {"to_json": "tn.study.run_study(study, folder), which keeps all in the folder"},
+    "TransferFunction": dict.fromkeys(("num", "den", "expr"), "numerator and denominator, or sympify of sympy"),
 }
 """Python code by an attribute that objects of a class have not, and by the class."""
 

@@ -55,7 +55,7 @@ class Column:
         return screen_text(round(value, self.decimals) if rounded else value, self.digits)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Table:
     """Table of results with title, columns, rows of plain values, and notes that are part of every output format.
 
@@ -201,6 +201,8 @@ class Table:
 
     def __str__(self) -> str:
         return self.to_text(terminal_width())
+
+    __repr__ = __str__
 
 
 def result_table(

@@ -441,7 +441,7 @@ def _check_range(value: Real, written: str) -> None:
         size = abs(float(value))
     except OverflowError:
         size = math.inf
-    if math.isinf(size) or (size == 0.0 and value != 0):
+    if math.isinf(size) or (size == 0.0 and value):
         raise UnitError(f'"{written}" is too large or too small a number', kind="not-finite")
 
 
@@ -457,7 +457,7 @@ def exact(value: Real | RealNumber) -> Fraction:
         size = float(value)
     except OverflowError:
         raise UnitError("the number is too large", kind="not-finite") from None
-    if not math.isfinite(size) or (size == 0.0 and value != 0):
+    if not math.isfinite(size) or (size == 0.0 and value):  # the zero of sympy is not equal to 0, but false
         text = f"expected a finite number that is not too small, got {value}"
         raise UnitError(Fault(text, kind="not-a-number"))
     if isinstance(value, Fraction):

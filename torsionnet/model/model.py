@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Any, Self
 
 from torsionnet.base.errors import Fault, ModelError, unknown_name
-from torsionnet.base.packages import imported
+from torsionnet.base.packages import ArgumentHints, imported
 from torsionnet.model.changes import (
     can_be_named,
     is_point_setting,
@@ -81,7 +81,7 @@ def _operated(definition: Definition) -> Definition:
     return at_operating_point(definition)
 
 
-class Model:
+class Model(ArgumentHints):
     """Model of a drivetrain in one of its configurations; every method that changes something returns a copy."""
 
     def __init__(

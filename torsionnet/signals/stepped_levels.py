@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from torsionnet.base.errors import UsageError
 from torsionnet.base.notes import NoteOrText
-from torsionnet.base.packages import NotebookResult
+from torsionnet.base.packages import SavedResult
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table
 
@@ -53,7 +53,7 @@ class HasElements(Protocol):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SteppedStiffness(NotebookResult):
+class SteppedStiffness(SavedResult):
     """First harmonics of torque and twist at the steps of a sine test, a row for each step in the order of the test.
 
     Attributes

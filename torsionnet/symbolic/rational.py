@@ -22,6 +22,7 @@ from torsionnet.symbolic.algebra.algebras import (
     InPowersOfS,
     Lengths,
     S,
+    SympyForm,
     exact_fraction,
     in_s,
     surely_zero,
@@ -50,7 +51,7 @@ class NamedCoefficients(Protocol):
 
 
 @dataclass(frozen=True, repr=False)
-class Rational:
+class Rational(SympyForm):
     """Transfer function as a quotient of polynomials in s, (b_0 + b_1 s + ...) / (a_0 + a_1 s + ...).
 
     Attributes
@@ -85,6 +86,9 @@ class Rational:
         """Transfer function as a sympy quotient of polynomials in s, with the coefficients written out."""
         above, below = map(in_s, self.ascending)
         return above / below
+
+    def _sympy_(self) -> Any:
+        return self.expression
 
     @cached_property
     def where(self) -> dict[Any, Any]:

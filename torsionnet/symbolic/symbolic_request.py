@@ -31,7 +31,7 @@ from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.elements import Element, Lock, RigidCoupling
 from torsionnet.model.operating_values import symbol_notes
 from torsionnet.model.readings import port_of
-from torsionnet.symbolic.algebra.algebras import Expressions, Lengths, in_s, vanishes
+from torsionnet.symbolic.algebra.algebras import Expressions, Lengths, SympyForm, in_s, vanishes
 from torsionnet.symbolic.algebra.network import Stiffness
 from torsionnet.symbolic.mechanism import (
     Mechanism,
@@ -201,7 +201,7 @@ def _expression(payload: Any) -> Any:
 
 
 @dataclass(frozen=True, eq=False)
-class SymbolicFraction:
+class SymbolicFraction(SympyForm):
     """Numerator and denominator of a transfer function, exact, in the model's own symbols.
 
     Attributes

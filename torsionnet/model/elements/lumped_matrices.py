@@ -32,9 +32,13 @@ class SymmetricMatrix(Spec[SquareMatrix]):
     dimension: str
 
     def coerce(self, raw: object) -> SquareMatrix:
-        rows = raw.tolist() if hasattr(raw, "tolist") else raw
+        rows = raw.__array__().tolist() if hasattr(raw, "__array__") else raw  # arrays, data frames, matrices of sympy
         if isinstance(rows, str | Mapping) or not isinstance(rows, Sequence) or not rows:
             raise EntryError(f"expected rows of numbers, as [[2, -2], [-2, 2]], {got(raw)}", kind="wrong-form")
+        if any(isinstance(one, complex) for row in rows if isinstance(row, Sequence) for one in row):
+            # K(j w) = K' + j K'' is K' + j w C at one frequency alone.
+            text = "complex numbers hold at one frequency f; give K', and K''/(2 pi f) in the damping matrix"
+            raise EntryError(text, kind="not-a-number")
         faults: list[Fault] = []
         matrix = tuple(self._row(number, row, len(rows), faults) for number, row in enumerate(rows))
         if faults:
@@ -132,14 +136,8 @@ class LumpedMatrices(Element):
         faults = []
         for name, matrix in self.matrices.items():
             if len(matrix) != len(self.nodes):
-                rows = f"{len(matrix)} row{'s' if len(matrix) > 1 else ''}"
-                faults.append(
-                    Fault(
-                        f"{len(self.nodes)} nodes have a matrix with as many rows, not {rows}",
-                        (name,),
-                        kind="wrong-count",
-                    )
-                )
+                text = f"expected a row for each node, {len(self.nodes)}, got {len(matrix)}"
+                faults.append(Fault(text, (name,), kind="wrong-count"))
             else:
                 faults += [fault.under(name) for fault in matrix_faults(matrix, name, self.nodes)]
         return faults

@@ -1,6 +1,7 @@
 """Algebras that evaluate the program of a transfer function as expressions, polynomials, term counts or numbers.
 
-Here as well: tests whether a symbolic polynomial or coefficient is zero for all values of its symbols.
+Here as well: tests whether a symbolic polynomial or coefficient is zero for all values of its symbols; base class of
+results that sympy takes for their expressions.
 """
 
 from __future__ import annotations
@@ -13,10 +14,23 @@ from typing import Any
 
 import sympy
 
+from torsionnet.base.packages import AttributeHints
 from torsionnet.base.program import Program, ProgramAlgebra, ProgramNode
 from torsionnet.symbolic.algebra.network import Stiffness
 
 S = sympy.Symbol("s")
+
+
+class SympyForm(AttributeHints):
+    """Base class of what sympy's functions and printers take for its expression, also where sympy has such a class."""
+
+    def _sympy_(self) -> Any:
+        raise NotImplementedError
+
+    def _latex(self, printer: Any) -> Any:
+        return printer._print(self._sympy_())  # noqa: SLF001  # what sympy asks of such a method
+
+    _pretty = _latex
 
 
 @dataclass(frozen=True)
