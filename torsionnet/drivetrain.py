@@ -166,9 +166,8 @@ class Drivetrain(AssembledModel, AttributeHints):
         from torsionnet.model.elements.lumped_matrices import LumpedMatrices
 
         entries: dict[str, Any] = {"inertia": M, "damping": C, "stiffness": K}
-        entries = {
-            name: one.toarray() if hasattr(one, "toarray") else one for name, one in entries.items()
-        }  # sparse ones
+        # Sparse matrices are written out.
+        entries = {name: one.toarray() if hasattr(one, "toarray") else one for name, one in entries.items()}
         M = entries["inertia"]
         count = len(M) if isinstance(M, Sized) else 1  # what is no matrix is refused by the element
         nodes = [f"q{number}" for number in range(1, count + 1)] if names is None else list(names)
