@@ -170,7 +170,7 @@ class Drivetrain(AssembledModel, AttributeHints):
         entries = {name: one.toarray() if hasattr(one, "toarray") else one for name, one in entries.items()}
         M = entries["inertia"]
         count = len(M) if isinstance(M, Sized) else 1  # what is no matrix is refused by the element
-        nodes = [f"q{number}" for number in range(1, count + 1)] if names is None else list(names)
+        nodes = [f"q{number}" for number in range(1, count + 1)] if names is None else list(map(str, names))
         element = LumpedMatrices.from_entries("matrices", nodes=nodes, **entries)
         return cls(name, [element], inputs=inputs, sensors=sensors)
 

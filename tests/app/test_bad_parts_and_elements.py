@@ -149,7 +149,7 @@ def test_stages_that_are_no_list_are_told_how_to_write_them(folder, capsys):
     )
     code, out = checked(folder, f"torsionnet: 1\nelements:\n{ENDS}  dmf: {flywheel}\n", capsys)
     assert code == 1
-    assert ": error: expected stages as [{stiffness: 6 N*m/deg, to: 120 N*m}, {stiffness: 14" in out
+    assert "stages as [{stiffness:" in out
 
 
 def test_a_list_of_stages_is_shown_in_words(folder, capsys):

@@ -49,10 +49,7 @@ def test_times_without_a_unit_that_make_an_impossible_speed_are_asked_for_it(tmp
     times = np.arange(600) / 600
     (tmp_path / "bare.csv").write_text("p\n" + "\n".join(f"{per_second * time:.3f}" for time in times))
     given = ("angle", str(tmp_path / "bare.csv"), "--pulses", "p=60")
-    assert (
-        f"p: the times of the pulses have no unit: taken for s the shaft turns at {shown} rpm"
-        in run(*given, code=1).stderr
-    )
+    assert f"turns at {shown} rpm" in run(*given, code=1).stderr
     found = json.loads(run(*given, "--unit", f"p={unit}", "--json").stdout)["wheels"][0]
     assert found["highest_speed_rad_s"] == pytest.approx(20 * np.pi, rel=1e-3)
     assert found["settled_s"] == pytest.approx([times[20], times[-21]], rel=1e-4)
@@ -66,7 +63,7 @@ def test_a_wheel_with_three_gaps_by_its_pattern(tmp_path):
     given = (str(tmp_path / "gaps.csv"), "--pulses", "p=36", "--pattern")
     found = wheels_of(tmp_path, *given, "16 teeth, 2 missing, 10 teeth, 2 missing, 4 teeth, 2 missing")["p"]
     assert found["highest_speed_rad_s"] == pytest.approx(40 * np.pi, rel=1e-6)
-    assert "pattern: the pattern has 34 places" in run("angle", *given, "32 teeth, 2 missing", code=1).stderr
+    assert "[wrong-count]" in run("angle", *given, "32 teeth, 2 missing", code=1).stderr
 
 
 def test_a_record_with_angle_speed_and_uncertainty(folder):
@@ -100,13 +97,13 @@ def test_the_signal_of_the_teeth(folder):
 
 def test_an_order_that_the_teeth_do_not_tell(folder):
     done = run("angle", str(folder / "run.npz"), "--pulses", "n1=60", "--orders", "54", code=2)
-    assert "order 54 would read as 6" in done.stderr
+    assert re.search("order 54 .*beyond-sampling", done.stderr)
 
 
 def test_all_that_is_wrong_with_wheels_is_said_at_once(folder):
     done = run("angle", str(folder / "run.npz"), "--pulses", "n1=60-3", "--pulses", "n2=50", code=1)
-    assert "n1: no gap of 3 missing teeth" in done.stderr
-    assert "n2: pulses are missing every 48 pulses" in done.stderr
+    assert re.search("n1: .* 3 .*unfit-wheel", done.stderr)
+    assert re.search("n2: .* 48 .*unfit-wheel", done.stderr)
 
 
 @pytest.mark.parametrize(
@@ -164,10 +161,7 @@ def test_a_part_of_the_record_counts(folder, tmp_path):
     (early,) = wheels_of(tmp_path, "broken.npz", *options, "--start", "1.5", "--stop", f"{half:.9f}").values()
     assert early["pulses"] == np.count_nonzero((times >= 1.5) & (times <= half))
     assert early["lowest_speed_rad_s"] > one["lowest_speed_rad_s"]
-    assert (
-        "nothing of the record lies there"
-        in run("angle", str(folder / "run.npz"), *options, "--start", "99", code=2).stderr
-    )
+    assert "[out-of-range]" in run("angle", str(folder / "run.npz"), *options, "--start", "99", code=2).stderr
 
 
 @pytest.mark.parametrize("by", ["signal", "wheel"])

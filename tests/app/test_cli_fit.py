@@ -96,7 +96,7 @@ def test_faults_of_a_fit_file_are_located(folder, good, bad, place, words):
 
 def test_fits_that_cannot_be_done(folder):
     (folder / "idle.yaml").write_text(FIT_OF_TWO_DISCS.replace("  shaft.damping: {start: 2 N*m*s/rad}", "  k_9: {}"))
-    assert 'no parameter is named "k_9"' in run("fit", "idle.yaml", code=2).stderr
+    assert re.search('"k_9".*unknown-parameter', run("fit", "idle.yaml", code=2).stderr)
     assert "cannot be read" in run("fit", "none.yaml", code=2).stderr
 
 
@@ -187,7 +187,7 @@ def test_fit_against_the_set_point_and_without(folder):
         result = run("fit", "r.yaml", code=code)
         assert said in result.stdout + result.stderr
     (folder / "v.yaml").write_text(text.replace("settings: {", "settings: {estimator: Hv, "))
-    assert "Hv is not for the fit of a record" in run("fit", "v.yaml", code=2).stderr
+    assert "Hv is not" in run("fit", "v.yaml", code=2).stderr
 
 
 @pytest.mark.slow

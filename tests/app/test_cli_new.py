@@ -175,14 +175,14 @@ def test_where_it_is_written(given, file, name):
 def test_a_name_with_slashes_goes_with_a_file_named_apart():
     run("new", "ship", "M/S Sagafjord", "-o", "ship.yaml")
     assert tn.load("ship.yaml").name == "M/S Sagafjord"
-    assert "there is no folder M" in run("new", "ship", "M/S Sagafjord", code=2).stderr
-    assert "does not end in .yaml" in run("new", "ship", "x", "-o", "ship.txt", code=2).stderr
+    assert "[missing-file]" in run("new", "ship", "M/S Sagafjord", code=2).stderr
+    assert "end in .yaml" in run("new", "ship", "x", "-o", "ship.txt", code=2).stderr
 
 
 @pytest.mark.parametrize("name", ["", " ", "\t", ".", "..", ".yaml", "folder/", "-"])
 def test_no_name(name):
     Path("folder").mkdir()
-    assert "no name of a model" in run("new", "ship", name, code=2).stderr
+    assert "[invalid-name]" in run("new", "ship", name, code=2).stderr
     assert [path.name for path in Path().iterdir()] == ["folder"]
 
 

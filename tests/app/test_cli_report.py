@@ -173,7 +173,7 @@ class TestCommand:
         assert (found.frequencies.min(), found.frequencies.max()) == (2.0, 9.0)
         assert found.frequencies[1] - found.frequencies[0] == pytest.approx(0.25)
         refused = run("report", "dmf_rig", *names, "--record-band", "2e4", "3e4", "-o", "s.md", code=2)
-        assert "no frequency between 20000 and 30000 Hz" in refused.stderr
+        assert re.search("20000 .* 30000 Hz", refused.stderr)
         assert "LOW < HIGH" in run("report", "dmf_rig", *names, "--record-band", "9", "2", code=2).stderr
 
     @pytest.mark.slow
@@ -260,7 +260,7 @@ class TestSection:
         assert text.count("m.yaml:10:") == 3
 
     def test_not_a_mapping(self):
-        assert "expected the entries kind, title, author" in self.faults("report: 3\n")
+        assert "[wrong-form]" in self.faults("report: 3\n")
 
     @pytest.mark.parametrize(
         ("raw", "band"),

@@ -404,7 +404,7 @@ class TestServices:
             omega = (2.1e6 * (1 / 0.45 + 1 / 14)) ** 0.5
             assert natural(page.ask("answer")) == pytest.approx(omega / (2 * 3.141592653589793), rel=1e-9)
         wrong = page.ask("paste", table="mass;J [kg m²];k [MNm/rad]\ncyl 1;x;2,1\nflywheel;14;")
-        assert wrong["refused"][0].startswith('line 2: "x" is not a number')
+        assert wrong["refused"][0].startswith('line 2: "x"')
 
     @pytest.mark.parametrize("text", ["", "one line", "a, b\n1, 2\n", "time;torque\n0;1\n", RIG])
     def test_what_is_no_table(self, page, text):

@@ -28,7 +28,7 @@ def test_a_list_of_a_hundred_thousand_files_is_no_search(page):
     began = time.process_time()
     names = ",".join(f"a{k}.yaml" for k in range(100_000))
     (fault,) = [one for one in page.type(f"{RIG}include: [{names}]\n")["faults"] if one["severity"] == "error"]
-    assert fault["message"] == f"100000 files are included, at most {MOST_INCLUDED} can be; put several parts into one"
+    assert f" {MOST_INCLUDED} " in fault["message"]
     assert (fault["line"], fault["column"]) == (9, 1)
     assert time.process_time() - began < 20  # 2 s on a quiet machine, minutes where each is looked for
 

@@ -246,7 +246,7 @@ def test_a_cycle_is_not_an_angle():
 def test_convert():
     assert convert(1500, "rpm", "rad/s") == pytest.approx(50 * math.pi, rel=1e-15)
     assert convert(1, "kNm/rad", "Nm/deg") == pytest.approx(1000 * math.pi / 180, rel=1e-15)
-    with pytest.raises(UnitError, match=r"(?m)\(m\) cannot be converted to .*\(kg\)$"):
+    with pytest.raises(UnitError, match=r"(?m)\(m\) .*\(kg\)$"):
         convert(1, "mm", "kg")
 
 

@@ -1,6 +1,7 @@
 """Checks of the records of a campaign: what is a remark, when a record is left out, when the command fails."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -88,6 +89,6 @@ def test_every_fault_of_the_checks_has_its_place(folder):
     with pytest.raises(ModelError) as caught:
         run(folder, "checks: {clipping: {}, drop_outs: {fail: -1 %}, pulse: {fail: 1 %}}\n")
     said = str(caught.value)
-    assert "test.yaml:12:10: error: a check needs leave_out or fail" in said
+    assert re.search("test.yaml:12:10: error: .*missing-entry", said)
     assert "test.yaml:12:42: error:" in said
-    assert 'test.yaml:12:49: error: unknown key "pulse"; did you mean "pulses"?' in said
+    assert re.search("test.yaml:12:49: error: .*unknown-entry", said)

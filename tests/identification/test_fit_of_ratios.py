@@ -1,6 +1,7 @@
 """Responses of like signals, such as torque over torque: read in every spelling, fitted, and ranked without unknowns."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -39,7 +40,7 @@ def test_torque_over_torque_is_read_and_fitted(tmp_path, unit):
 @pytest.mark.parametrize("unit", ["", " []", " [kN*m/(N*m)]", " [%]"])
 def test_other_units_are_refused(tmp_path, unit):
     """Without a unit the ratio was taken for that of an angle to a velocity."""
-    with pytest.raises(ModelError, match=r"expected one such as .*N\*m/\(N\*m\), 1"):
+    with pytest.raises(ModelError, match=r".*N\*m/\(N\*m\), 1"):
         table(tmp_path / "r.csv", unit)
 
 
@@ -92,7 +93,7 @@ def test_a_ranking_needs_no_unknown_parameters(folder):
     response = table(folder / "tt.csv", " [1]")
     data = json.loads(run("fit", "f.yaml", "--rank", "--json").stdout)
     assert {"c_O", "k_1", "gain"} <= {one["unknown"] for one in data["ranking"]}
-    assert "a fit needs parameters: entries by name; fit --rank does without" in run("fit", "f.yaml", code=1).stderr
+    assert re.search("--rank .*missing-entry", run("fit", "f.yaml", code=1).stderr)
     refused = run("fit", "f.yaml", "--rank", "--profile", "-o", "x.yaml", code=2).stderr
-    assert "--profile and -o: the fit file names no parameters" in refused
+    assert re.search("--profile and -o: .*needless-entry", refused)
     assert response.has_phase

@@ -1,5 +1,6 @@
 """Files of other programs in their less usual forms: each is read as its library reads it, or refused by name."""
 
+import re
 import shutil
 
 import numpy as np
@@ -61,7 +62,7 @@ class TestTdmsSavedAsHdf5:
         assert read_recording(hdf5).sampling_rate == 1000
         hdf5.unlink()
         _, hdf5 = written(("g", "a", TORQUE, self.wave(wf_xunit_string="deg")))
-        assert "its values are over deg, no record over time" in refusal(hdf5)
+        assert re.search(" deg, .*wrong-file", refusal(hdf5))
 
     def test_time_stamps_beside_a_waveform(self, written):
         stamps = BEGIN + np.timedelta64(250, "ms") + np.arange(4000).astype("m8[ms]")
@@ -161,7 +162,7 @@ class TestResponsesInMat73:
             found = read_frequency_response(path)
             assert np.array_equal(found.frequencies, self.LINES)
             assert np.array_equal(found.values[:, 0, 0], self.VALUES)
-        assert "Freq, H are a frequency response, no record over time" in refusal(path)
+        assert re.search("Freq, H .*unreadable-file", refusal(path))
 
     def test_one_that_was_written_here_and_saved_again(self, tmp_path):
         from scipy.io import loadmat
@@ -213,14 +214,14 @@ class TestTextsWithSeveralClocks:
         path.write_text("\n".join(["100", *heading, *rows[0], *rows[1], ""]))
         assert np.diff(read_recording(path).times).max() == pytest.approx(2.7 - 0.099)
         path.write_text("\n".join([*heading, *rows[0], *rows[2], ""]))
-        assert "where it begins again, save each record in a file of its own" in refusal(path)
+        assert "begins again, save each" in refusal(path)
         path.write_text("\n".join([*heading, *rows[0], *heading, *rows[1], ""]))
-        assert '"x-axis" is the heading again, of another record or segment' in refusal(path)
+        assert '"x-axis" is the' in refusal(path)
 
 
 def test_two_given_clocks_of_one_file(tmp_path):
     np.savez(tmp_path / "r.npz", t1=TIMES, T=TORQUE, t2=TIMES + 0.25, M=TORQUE)
     units = {"t1": "s", "t2": "s"}
-    assert "t1, t2 were given units of time, and nothing tells which" in refusal(tmp_path / "r.npz", units=units)
+    assert "t1, t2 were given" in refusal(tmp_path / "r.npz", units=units)
     found = read_recording(tmp_path / "r.npz", units={"t1": "s"})
     assert warning("t2 holds other times than t1, which was taken for all channels") in found.notes

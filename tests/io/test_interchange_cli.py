@@ -1,6 +1,7 @@
 """``torsionnet export`` and ``torsionnet import``."""
 
 import json
+import re
 import zipfile
 
 import pytest
@@ -167,7 +168,7 @@ def test_import_writes_a_model_file(tmp_path):
 def test_import_of_a_faulty_file(tmp_path):
     (tmp_path / "t.tors").write_text('{"components": [{"name": "a", "elements": [{"name": "d", "type": "Disc"}]}]}')
     result = run("import", tmp_path / "t.tors", "-o", tmp_path / "t.yaml", code=1)
-    assert 'no element type is named "Disc"; did you mean "Disk"?' in result.stderr
+    assert re.search('"Disc"; .*"Disk"', result.stderr)
     assert "t.tors:1:" in result.stderr
     assert not (tmp_path / "t.yaml").exists()
 

@@ -382,7 +382,7 @@ class TestWriting:
         masses = [tn.Inertia(f"J_{node}", node=node, inertia=1 + place) for place, node in enumerate(ports)]
         rig = tn.Drivetrain("x", [element, *masses])
         if case in REFUSED:
-            with pytest.raises(UsageError, match=rf"no counterpart of e \({element.kind}\), ({REFUSED[case]})"):
+            with pytest.raises(UsageError, match=rf" of e \({element.kind}\), ({REFUSED[case]})"):
                 to_tors(rig)
             return
         back = from_tors(to_tors(rig))

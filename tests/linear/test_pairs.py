@@ -407,7 +407,7 @@ sensors: {rel: {angle: [a, b]}, slip: {velocity: [b, a]}}
 
     def test_torque_where_the_relative_angle_is_imposed(self):
         faults = self.faults("{T: {torque: [a, b]}}", "{T: {torque: [b, a]}, phi: {angle: [a, b]}}")
-        assert any('the angle of "b" against "a" is imposed by phi' in fault.message for fault in faults)
+        assert any('against "a" is imposed' in fault.message for fault in faults)
 
     def test_schema(self):
         import jsonschema

@@ -276,7 +276,7 @@ class TestFaults:
         (fault,) = caught.value.faults
         assert fault.path == ("elements", "shaft", "referred_to")
         one, other = ("2.41176", "1") if first == "gear" else ("1", "2.41176")
-        assert f"a turns {one} or {other} times as fast as b by them; give the values of shaft at its own" in str(fault)
+        assert f"a turns {one} or {other} times" in str(fault)
 
     def test_second_ratio_over_two_gears(self):
         """41/17 over one pair and, the other way around the loop, 2 * 3 over two, each way with a shaft in it."""
@@ -488,7 +488,7 @@ class TestCheckOfSensors:
             ("speed", 19, "open"),
             ("pull", 19, "open"),
         ]
-        assert all("no ratio leads from wheel to crank in this configuration" in fault.message for fault in errors)
+        assert {fault.kind for fault in errors} == {"no-ratio"}
 
     def test_where_it_holds_for_all_it_is_at_the_line_of_the_sensor(self):
         text = CUT.replace("stiffness: 1000}", "stiffness: 1000, enabled: false}").partition("configurations:")[0]

@@ -363,7 +363,7 @@ class TestMeanIndicatedPressure:
         rig = tn.load(in_file(tmp_path, "{fired: p100.csv, zero: 360 deg}"))
         (found,) = [fault for fault in rig.check() if "highest" in fault.message]
         assert found.severity == "warning"
-        assert "-352 deg after firing top dead centre; check zero:, the angle of the traces" in found.message
+        assert re.search("-352 deg .* zero:", found.message)
 
 
 class TestHarmonics:

@@ -115,7 +115,7 @@ class TestCommand:
 
     def test_a_test_is_of_one_configuration(self, folder):
         arguments = ["plant.yaml", "-c", "all", "--output", "f", "--measured", recorded(folder)]
-        assert "a test is of one configuration" in run("orders", *arguments, code=2).stderr
+        assert "[wrong-count]" in run("orders", *arguments, code=2).stderr
         assert "[missing-file]" in run("orders", "plant.yaml", "--output", "f", "--measured", "none.csv", code=2).stderr
 
 

@@ -106,7 +106,7 @@ def test_without_a_load_engine_and_propeller_are_compared():
     text = text.replace("  Q: {by: load, of: prop}\n", "  Q: 188.7 kN*m\n")
     assert said(text) == {}
     (message,) = said(text.replace(POWER, POWER.replace("3000 kW", "3 kW"))).values()
-    assert message.startswith("engine gives 3 kW at rated speed, propellers take 3000 kW from it")
+    assert re.match("engine .* 3 kW .* 3000 kW", message)
 
 
 def test_two_engines_give_their_shares():
@@ -172,10 +172,10 @@ def test_a_condition_of_less_torque_is_asked_for_its_damping():
     text += "configurations: {pitch: {full: {}, zero: {load.power: 600 kW, propeller.condition: zero_pitch}}}\n"
     (found,) = (one for one in tn.loads(text).check() if one.severity == "warning")
     assert found.path == ("configurations", "pitch", "zero", "load.power")
-    assert found.message.startswith("Archer's damping with 37.74 kN*m, 20% of the torque of full ahead")
+    assert "37.74 kN*m, 20% of" in found.message
     forgotten = text.replace("load.power: 600 kW, ", "")
     (found,) = (one for one in tn.loads(forgotten).check() if one.severity == "warning")
-    assert found.message == "propeller takes 600 kW at rated speed, the load there 3000 kW"
+    assert re.search("propeller .* 600 kW .* 3000 kW", found.message)
 
 
 def test_a_condition_has_a_torque_curve_and_a_damping_of_its_own():

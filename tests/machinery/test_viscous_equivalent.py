@@ -72,7 +72,7 @@ def test_a_file_that_could_not_be_written_before(ending, tmp_path):
     command = ["export", str(model), "-o", str(target)]
     refused = CliRunner().invoke(app, command)
     assert refused.exit_code != 0
-    assert "; --viscous-at HZ replaces laws over frequency by springs and dampers" in refused.output
+    assert "; --viscous-at HZ " in refused.output
     assert not target.exists()
     written = CliRunner().invoke(app, [*command, "--viscous-at", "11"])
     assert written.exit_code == 0, written.output

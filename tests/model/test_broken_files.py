@@ -53,7 +53,7 @@ def test_every_fault_has_a_place_and_one_line(case):
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_refused_with_all_errors(case):
-    with pytest.raises(ModelError, match=r"errors? in model\.yaml\. Nothing was calculated\.") as caught:
+    with pytest.raises(ModelError, match=r"errors? in model\.yaml\.") as caught:
         loads(case.text, "model.yaml")
     assert all(fault.severity == "error" for fault in caught.value.faults)
 
@@ -109,7 +109,7 @@ def test_two_faults_both_shown():
     text = str(caught.value)
     assert "broken.yaml:6:50: error: " in text
     assert "broken.yaml:10:46: error: " in text
-    assert text.endswith("2 errors in broken.yaml. Nothing was calculated.")
+    assert "\n2 errors in broken.yaml. " in text
     assert "      |                                                  ^^^^^^^^\n" in text
 
 

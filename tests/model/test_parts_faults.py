@@ -133,7 +133,7 @@ def test_a_file_named_like_a_node_keeps_its_name(tmp_path):
     text = text.replace("stiffness: 1}", "catalogue: left.csv, size: A}")
     text = text.replace("inner: x", "inner: left").replace("node: x", "node: left")
     (note,) = [fault for fault in read_text(text, "m.yaml", tmp_path)[1] if "colour" in fault.message]
-    assert note.message == 'the column "colour" of left.csv fits no entry of a spring and no limit'
+    assert '"colour" of left.csv' in note.message
 
 
 STUB = "      stub: {type: spring, nodes: [hub, hubb], stiffness: 1}\n"
@@ -274,7 +274,7 @@ def test_a_link_out_of_the_folder_is_refused(tmp_path):
     outside = files(tmp_path / "other", mass=MASS).parent / "mass.yaml"
     path = files(tmp_path / "here", model=TOP.replace("FILES", "mass.yaml"))
     (path.parent / "mass.yaml").symlink_to(outside)
-    assert "a link that leads out" in file_errors(path)[0].message
+    assert file_errors(path)[0].kind == "forbidden-file"
 
 
 def test_a_fault_in_an_included_file_shows_both_places(tmp_path):
@@ -287,7 +287,7 @@ def test_a_fault_in_an_included_file_shows_both_places(tmp_path):
 def test_an_unused_part_is_remarked():
     text = MODEL.replace("part: half", "part: half_shaft").replace("inner: cage, road", "inner: cage, road")
     warnings = [fault for fault in read_text(text, "")[1] if fault.severity == "warning"]
-    assert [fault.message for fault in warnings if "not used" in fault.message] == ['part "half" is not used']
+    assert [fault.message for fault in warnings if fault.kind == "unused-name"] == ['part "half" is not used']
 
 
 def test_python_says_the_same():

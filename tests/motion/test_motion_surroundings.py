@@ -268,7 +268,7 @@ def test_motion_that_grows_beyond_all_numbers_is_told(law):
             "softening": tn.Spring("soft", nodes=("a", "ground"), stiffness=1, cubic=-50)}[law]  # fmt: skip
     driven = [tn.Controller("feed", sense={"velocity": "a"}, act="a", law=900)] if law == "friction" else []
     rig = tn.Drivetrain("unstable", [tn.Inertia("rotor", node="a", inertia=1.0), more, *driven])
-    with pytest.raises(SolveError, match=r"grows beyond all numbers|cannot be followed"):
+    with pytest.raises(SolveError, match=r"beyond all numbers|cannot be"):
         rig.simulate("angle(a)", {"a": np.full(11, 20.0)}, 5)
 
 

@@ -105,7 +105,7 @@ def test_motions_beyond_the_table_of_a_spring_are_left_out_and_told():
     assert len(found.motions_at(2.0)) == 3
     assert len(found.motions_at(2.2)) == 2
     assert any("are left out: disc: the torque is given from -0.5 rad to 0.5 rad" in note for note in found.notes)
-    with pytest.raises(SolveError, match=r"(?s)disc: .*extend the table or the last stage.*beyond-table"):
+    with pytest.raises(SolveError, match=r"(?s)disc: .*beyond-table"):
         _table_rig().periodic_response("a", frequencies=[1.5, 1.6], excitation={"a": 1000})
 
 
@@ -206,9 +206,7 @@ def test_orders_without_a_short_period_in_common_are_refused():
         "two", list(_table_rig().elements.values()),
         excitations={"gas": {"type": "harmonic", "node": "a", "orders": orders}},
     )  # fmt: skip
-    with pytest.raises(
-        UsageError, match=r"(?s)orders 0.137, 1 have a period in common only after 1000 turns.*no-period"
-    ):
+    with pytest.raises(UsageError, match=r"(?s)orders 0.137, 1.* 1000 turns.*no-period"):
         rig.periodic_response("a", speeds=[9.0], speed_of="a")
 
 
@@ -219,5 +217,5 @@ def test_loads_that_follow_the_mean_speed_are_refused():
         tn.Inertia("rotor", node="b", inertia=1),
         tn.Spring("spring", nodes=("a", "b"), stiffness=100, cubic=900, damping=1),
     ]
-    with pytest.raises(UsageError, match=r"(?s)fan: its torque follows the mean speed.*unsupported-law"):
+    with pytest.raises(UsageError, match=r"(?s)fan: .*unsupported-law"):
         tn.Drivetrain("fan", elements).periodic_response("a", frequencies=[2.0], excitation={"b": 5})

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -60,7 +61,7 @@ def test_faults_schema_and_completion_know_it(installed):
     environment, folder = installed
     (folder / "rig.yaml").write_text(MODEL.replace("frequency: 25 Hz", "frequency: 25 kg"))
     said = run(environment, folder, "-m", "torsionnet", "check", "rig.yaml", code=1)
-    assert 'rig.yaml:6:63: error: "25 kg" is not a value of frequency' in said
+    assert re.search("rig.yaml:6:63: error: .*wrong-unit", said)
     (folder / "rig.yaml").write_text(MODEL.replace("absorber", "absorbr"))
     assert 'did you mean "absorber"' in run(environment, folder, "-m", "torsionnet", "check", "rig.yaml", code=1)
     schema = json.loads(run(environment, folder, "-m", "torsionnet", "schema"))

@@ -104,7 +104,7 @@ class TestPropulsionShafts:
         model = tn.loads(SHAFTING)
         (fault,) = unfit_limits(tn.loads(SHAFTING.replace("element: line", "element: lay")).definition)
         assert fault.severity == "warning"
-        assert "not for shafts that are integral to gearing (M68.1), and lay lies between two gears" in fault.message
+        assert "integral to gearing" in fault.message
         assert unfit_limits(model.definition) == []
 
     @pytest.mark.parametrize("society", sorted(NOT_AT_HAND))
@@ -209,7 +209,7 @@ class TestM68IsNotForThem:
         set_ = tn.loads(SET + M68_LIMIT + flicker(3, "95..105 %"))
         (fault,) = unfit_limits(set_.definition)
         assert (fault.severity, fault.path) == ("warning", ("limits", "tail", "rule"))
-        assert "not for generator shafts (M68.1)" in fault.message
+        assert "generator shafts (M68.1)" in fault.message
         found = set_.check_limits().of("tail")
         assert found.verdict == "not judged"
         assert "generating_set_shaft" in found.remarks[0]
@@ -231,7 +231,7 @@ class TestM68IsNotForThem:
         assert (fault.severity, fault.path) == ("warning", ("limits", "tail", "rule"))
         found = engine.check_limits().of("tail")
         assert (found.verdict, found.remarks) == ("not judged", (fault.message,))
-        assert fault.message.startswith("UR M68 is not for crankshafts (M68.1), and web is part of one")
+        assert "crankshafts (M68.1), and web" in fault.message
 
     def test_a_machine_without_generator_is(self):
         assert tn.loads(SET + M68_LIMIT).check_limits().of("tail", "tau_C").verdict != "not judged"

@@ -94,7 +94,7 @@ class TestTdms:
     def test_starts_parts_of_a_sample_apart(self, written):
         late = self.wave("rad/s", 0.2504)
         path = written(("T", torque(TIMES), self.wave("N*m")), ("w", speed(TIMES + 0.2504), late))
-        assert "T (1000 Hz from 0 s), w (1000 Hz from 0.2504 s); resample=True" in refusal(path)
+        assert re.search(r"0 s\), w.*0\.2504 s.*resample=True.*unlike-results", refusal(path))
         found = read_recording(path, resample=True)
         is_on_one_clock(found.between(0.5, 3.5), within=2e-3)
         assert any(
@@ -103,16 +103,16 @@ class TestTdms:
 
     def test_no_time_in_common(self, written):
         path = written(("T", TIMES, self.wave("N*m")), ("w", TIMES, self.wave("rad/s", 4.0)))
-        assert "no time in common: T (1000 Hz from 0 s), w (1000 Hz from 4 s)" in refusal(path)
+        assert re.search(r"0 s\), w.* 4 s\).*unlike-results", refusal(path))
 
     def test_an_axis_that_is_no_time(self, written):
         angle = self.wave("N*m", wf_xunit_string="deg")
-        assert "its values are over deg, no record over time" in refusal(written(("T", TIMES, angle)))
+        assert re.search(r"channels\.T: .* deg.*wrong-file", refusal(written(("T", TIMES, angle))))
         path = written(("T", TIMES, angle), ("w", speed(TIMES), self.wave("rad/s")))
         found = read_recording(path)
         assert found.names == ("w",)
         assert "left out, as they are no records over time: T (over deg)" in found.notes
-        assert "channels.T: error: its values are over deg" in refusal(path, names=["T", "w"])
+        assert re.search(r"channels\.T: .* deg.*wrong-file", refusal(path, names=["T", "w"]))
 
     def test_channels_without_a_clock_or_a_start_are_said(self, written):
         started, bare = self.wave("N*m"), {"wf_increment": 1e-3, "unit_string": "rad/s"}
@@ -127,7 +127,7 @@ class TestTdms:
 
     def test_a_rate_other_than_that_of_the_file(self, written):
         path = written(("T", TIMES, self.wave("N*m")))
-        assert "the file says T (1000 Hz from 0 s), sampling_rate=2000 was given" in refusal(path, sampling_rate=2000)
+        assert re.search(r"T \(1000 Hz.*sampling_rate=2000.*contradicting-values", refusal(path, sampling_rate=2000))
 
 
 class TestPulsesBesideOtherRates:
@@ -161,7 +161,7 @@ class TestPulsesBesideOtherRates:
         assert np.ptp(found[angle].values - self.angle(found.time)) < 3 * 2 * np.pi * 10 / 5000
 
     def test_a_rate_chosen_for_the_others_is_none_of_the_teeth(self, file):
-        assert "500 Hz from 0 s (x); 1000 Hz from 0.05 s (T)" in refusal(file, pulses={"p": 12})
+        assert re.search(r"500 Hz.*\(x\); 1000 Hz.*\(T\).*unlike-results", refusal(file, pulses={"p": 12}))
         for chosen in ({"sampling_rate": 1000}, {"sampling_rate": 1000, "resample": True}, {"names": ["T", "p"]}):
             found = read_recording(file, pulses={"p": 12}, **chosen)
             assert (found.sampling_rate, "x" in found.names) == (1000, "resample" in chosen)
@@ -170,8 +170,7 @@ class TestPulsesBesideOtherRates:
     def test_angle_keeps_a_channel_of_another_rate_resampled(self, file, tmp_path):
         given = "angle", file, "--pulses", "p=12", "--channel", "T"
         refused = run(*given, code=1).stderr
-        assert "sampled at 2 rates: 1000 Hz from 0.05 s (T); 5000 Hz from 0 s (p)" in refused
-        assert "--resample brings the others to it" in refused
+        assert re.search(r"1000 Hz.*\(T\); 5000 Hz.*\(p\).*--resample.*unlike-results", refused)
         run(*given, "--resample", "-o", tmp_path / "angle.npz")
         found = read_recording(tmp_path / "angle.npz")
         assert any("T: interpolated from 1000 to 5000 Hz" in note for note in found.notes)
@@ -213,7 +212,7 @@ class TestMdf:
             ("w", speed(slow), slow, "rad/s", "2 ms"),
             ("phi", speed(slow), slow, "rad", "2 ms"),
         )
-        assert "500 Hz from 0 s (w, phi); 1000 Hz from 0 s (T); sampling_rate= chooses one" in refusal(path)
+        assert re.search(r"500 Hz.*\(w, phi\); 1000 Hz.*\(T\); sampling_rate=.*unlike-results", refusal(path))
         found = read_recording(path, names=["w", "phi"])
         assert (found.sampling_rate, found.duration) == (500.0, 8.0)
         assert np.array_equal(found["w"].values, speed(slow))
@@ -238,7 +237,7 @@ class TestMdf:
         found = read_recording(written(("T", torque(TIMES), TIMES, "N*m", ""), gear))
         assert (found.names, found.sampling_rate) == (("T",), RATE)
         assert "left out, as they are single samples: gear" in found.notes
-        assert "one sample does not tell the sampling rate" in refusal(written(gear))
+        assert "[missing-entry]" in refusal(written(gear))
 
     def test_uneven_stamps(self, written):
         """A bus sends about every 10 ms; its channels are read by themselves, or through splines to the even raster."""
@@ -261,7 +260,7 @@ class TestMdf:
         found = read_recording(path)
         assert found.names == ("group 1/T", "telemetry/T", "w")
         assert np.array_equal(found["telemetry/T"].values, 2 * found["group 1/T"].values)
-        assert 'no channel is named "T"; the file has group 1/T, telemetry/T' in refusal(path, names=["T"])
+        assert re.search("group 1/T, telemetry/T.*unknown-channel", refusal(path, names=["T"]))
 
     def test_stamps_that_are_off_by_little_are_one_raster(self, written):
         """Loggers stamp each group by itself: rates and starts differ by what even stamps may be off."""
@@ -274,7 +273,7 @@ class TestMdf:
 
     def test_a_master_that_is_an_angle(self, written):
         path = written(("T", torque(TIMES), 0.36 * np.arange(4000), "N*m", ""), master_metadata=("angle", 2))
-        assert "its values are over an angle in deg, no record over time" in refusal(path)
+        assert re.search("angle in deg.*wrong-file", refusal(path))
 
     def test_samples_marked_invalid_are_missing(self, written):
         invalid = (TIMES >= 1) & (TIMES < 1.4)
@@ -320,7 +319,7 @@ class TestUff:
     def test_sets_of_other_rates_and_starts(self, written):
         slow = np.arange(2000) / 500
         other = written(self.function("T", torque(TIMES), TIMES, "N*m"), self.function("w", speed(slow), slow, "rad/s"))
-        assert "500 Hz from 0 s (w); 1000 Hz from 0 s (T)" in refusal(other)
+        assert re.search(r"500 Hz.*\(w\); 1000 Hz.*\(T\).*unlike-results", refusal(other))
         assert read_recording(other, names=["w"]).sampling_rate == 500
         is_on_one_clock(read_recording(other, sampling_rate=1000, resample=True).between(0.5, 3.4), within=2e-3)
 
@@ -342,9 +341,8 @@ class TestUff:
 
     @pytest.mark.parametrize("axis", ["rev", "rad/s", "rpm"])
     def test_an_abscissa_that_is_no_time(self, written, axis):
-        assert f"its values are over {axis}, no record over time" in refusal(
-            written(self.function("T", torque(TIMES), TIMES, "N*m", axis))
-        )
+        refused = refusal(written(self.function("T", torque(TIMES), TIMES, "N*m", axis)))
+        assert re.search(f"over {axis}, .*wrong-file", refused)
 
     def test_spectra_beside_records_are_named(self, written):
         spectrum = self.function("T", np.arange(9.0), np.arange(9.0), "N*m", "Hz", 2)
@@ -434,7 +432,7 @@ class TestHdf5:
 
     def test_a_factor_that_is_not_one_number(self, written):
         path = written(T=(TIMES, {"unit": "N*m", "fs": RATE, "scale_factor": np.array([0.5, 2.0])}))
-        assert 'dataset "/T" has a scale_factor or add_offset that is not one number' in refusal(path)
+        assert re.search("/T.*unreadable-file", refusal(path))
 
     def test_a_gain_that_may_be_meant_either_way_is_said(self, written):
         attributes = {"unit": "N*m", "fs": RATE, "gain": 2.0, "scale": 1.0, "offset": 1.0, "bias": 0.0}
@@ -454,7 +452,7 @@ class TestHdf5:
             fast__time=(TIMES, {}), fast__T=(torque(TIMES), {"unit": "N*m"}),
             slow__time=(slow, {}), slow__w=(speed(slow), {"unit": "rad/s"}),
         )  # fmt: skip
-        assert "500 Hz from 0.25 s (slow.w); 1000 Hz from 0 s (fast.T)" in refusal(path)
+        assert re.search(r"500 Hz.*\(slow\.w\); 1000 Hz.*\(fast\.T\).*unlike-results", refusal(path))
         assert read_recording(path, names=["slow.w"]).start == 0.25
         found = read_recording(path, sampling_rate=1000, resample=True).between(0.75, 2.75)
         is_on_one_clock(found, "fast.T", "slow.w", within=2e-3)
@@ -465,11 +463,11 @@ class TestHdf5:
             a__time=(np.round(times, 3), {}), a__T=(torque(times), {"unit": "N*m"}),
             b__time=(np.round(times + 0.25, 3), {}), b__w=(speed(times + 0.25), {"unit": "rad/s"}),
         )  # fmt: skip
-        assert "channels.b.time: error: 2999 of 4000 time stamps in b.time equal the one before" in refusal(path)
+        assert re.search(r"channels\.b\.time: error: 2999 .*unordered-rows", refusal(path))
         found = read_recording(path, sampling_rate=4000)
         assert (found.sampling_rate, found.start) == (4000, 0.25)
         is_on_one_clock(found, "a.T", "b.w")
-        assert "channels.a.time: error: the time stamps do not fit" in refusal(path, sampling_rate=4100)
+        assert re.search(r"channels\.a\.time: .*contradicting-values", refusal(path, sampling_rate=4100))
 
     def test_datasets_with_a_rate_and_a_start(self, written):
         path = written(
@@ -502,7 +500,7 @@ class TestHdf5:
         path = written(T=(torque(TIMES), {"unit": "N*m"}), w=(speed(TIMES * 2), {"unit": "rad/s", "fs": RATE / 2}))
         with h5py.File(path, "a") as file:
             file.attrs["fs"] = RATE
-        assert "500 Hz from 0 s (w); 1000 Hz from 0 s (T)" in refusal(path)
+        assert re.search(r"500 Hz.*\(w\); 1000 Hz.*\(T\).*unlike-results", refusal(path))
 
     @pytest.mark.parametrize("texts", [
         ("2024-05-03T10:12:13", "2024-05-03T10:12:13.250"), ("2024-05-03 10:12:13.75Z", "2024-05-03 12:12:14+02:00"),
@@ -540,7 +538,7 @@ class TestHdf5:
 
     @pytest.mark.parametrize("numbers", [{"fs": RATE, "dt": 0.002}, {"sampling_rate": 500.0, "dt": 1 / RATE}])
     def test_a_rate_and_an_interval_that_contradict_each_other(self, written, numbers):
-        assert re.search(r"of T says \d+ Hz, dt of T 0.00\d s between", refusal(written(T=(torque(TIMES), numbers))))
+        assert re.search(r" \d+ Hz, .* 0.00\d s .*unreadable-file", refusal(written(T=(torque(TIMES), numbers))))
 
     @pytest.mark.parametrize(("unit", "text"), [("degrees", "over degrees"), ("seconds since 2024-05-03", "")])
     def test_dimension_scales(self, tmp_path, unit, text):
@@ -553,7 +551,7 @@ class TestHdf5:
             file["T"].dims[0].attach_scale(file["x"])
         if text:
             for names in (None, ["T"]):
-                assert f"channels.T: error: its values are {text}" in refusal(path, names=names)
+                assert re.search(rf"channels\.T: .* {text}.*wrong-file", refusal(path, names=names))
         else:
             assert read_recording(path, names=["T"]).sampling_rate == RATE
 
@@ -652,8 +650,8 @@ class TestTables:
         assert (found.sampling_rate, found.start) == (pytest.approx(RATE, rel=1e-9), pytest.approx(0.25, rel=1e-9))
         is_on_one_clock(found, within=1e-6)
         assert read_recording(path, names=["T"], units={"t1": "ms"}).sampling_rate == RATE
-        assert re.search(r"the values of T are over deg|channels.T: error: its values are over deg",
-                         refusal(path, units={"t1": "deg", "t2": "min"}, names=["T", "w"]))  # fmt: skip
+        refused = refusal(path, units={"t1": "deg", "t2": "min"}, names=["T", "w"])
+        assert re.search(r"(T|channels\.T:) .* over deg.*wrong-file", refused)
 
     def test_times_without_a_unit_that_make_1_hz_are_doubted(self, written):
         path = written(**{"t1": 1000 * TIMES, "T [Nm]": torque(TIMES), "t2": 1000 * TIMES + 250, "w [rad/s]": TIMES})
@@ -665,7 +663,7 @@ class TestTables:
     def test_columns_of_two_rates(self, written):
         slow = np.arange(2000) / 500
         path = written(**{"t": TIMES, "T [Nm]": torque(TIMES), "t2": slow, "w [rad/s]": speed(slow)})
-        assert "500 Hz from 0 s (w); 1000 Hz from 0 s (T)" in refusal(path)
+        assert re.search(r"500 Hz.*\(w\); 1000 Hz.*\(T\).*unlike-results", refusal(path))
         assert len(read_recording(path, names=["w"])) == 2000
         is_on_one_clock(read_recording(path, sampling_rate=1000, resample=True).between(0.5, 3.5), within=2e-3)
 

@@ -1,5 +1,7 @@
 """Dimension scales and channels without a clock in HDF5 files: no channel is put on the clock of another in silence."""
 
+import re
+
 import numpy as np
 import pytest
 from support.command_line import run
@@ -52,11 +54,9 @@ class TestScalesOfUnknownKind:
     def test_a_unit_makes_one_the_clock_of_its_own_channels(self, two_scales):
         found = read_recording(two_scales, names=["T"], units={"x1": "ms"})
         assert (found.sampling_rate, found.start, len(found)) == (1000, 0, 4000)
-        assert (
-            'w (over x2) has no clock in the file, T (1000 Hz from 0 s) another; give units={"x2": "s"} if x2 is the '
-            "time, or sampling_rate=1000 if they were sampled together" in refusal(two_scales, units={"x1": "ms"})
-        )
-        assert "T (over x1) has no clock in the file, w" in refusal(two_scales, units={"x2": "ms"})
+        refused = refusal(two_scales, units={"x1": "ms"})
+        assert re.search(r'w \(over x2\).*T \(1000 Hz.*units=.*"x2": "s".*sampling_rate=1000 .*unlike-results', refused)
+        assert re.search(r"T \(over x1\).*, w.*unlike-results", refusal(two_scales, units={"x2": "ms"}))
 
     def test_units_of_both(self, two_scales):
         found = read_recording(two_scales, units={"x1": "ms", "x2": "ms"})
@@ -70,17 +70,17 @@ class TestScalesOfUnknownKind:
         assert "left out, as they are no records over time: T (over deg)" in found.notes
 
     def test_without_units_they_are_asked_for(self, two_scales):
-        assert 'give units={"x1": "s"} if x1 is the time, or sampling_rate= in Hz' in refusal(two_scales)
+        assert re.search('"x1": "s".* sampling_rate= .*missing-entry', refusal(two_scales))
         said = warning("channels over x1, x2 were taken to begin together, at one rate")
         assert said in read_recording(two_scales, sampling_rate=1000).notes
         asked = run("estimate", two_scales, "--input", "T", "--output", "w", code=1).stderr
-        assert "give --unit x2=s if x2 is the time, or --sampling-rate in Hz" in asked
+        assert re.search("--unit x2=s .*--sampling-rate.*missing-entry", asked)
 
     def test_beside_time_stamps(self, written):
         """A dataset named time is no clock of what goes over another scale; it is where both go over one."""
         content = {"time s": TIMES, "T N*m": TORQUE, "w rad/s": SPEED, "n": np.arange(4000.0)}
         path = written(content, {"T": "n"})
-        assert "T (over n) has no clock in the file, w (1000 Hz from 0 s) another" in refusal(path)
+        assert re.search(r"T \(over n\).*, w \(1000 .*unlike-results", refusal(path))
         for scales in ({"T": "n", "time": "n"}, {"T": "n", "time": "n", "w": "n"}):
             found = read_recording(written(content, scales))
             assert {"T", "w"} <= {*found.names}
@@ -99,13 +99,13 @@ class TestScalesOfUnknownKind:
         found = read_recording(named(written(content, {"time": "n", "T": "n", "w": "n"})))
         assert (found.names, found.sampling_rate) == (("T", "w"), 1000)
         path = named(written(content, {"time": "n", "T": "n", "w": "m"}))
-        assert "w (over m) has no clock in the file, T (1000 Hz from 0 s) another" in refusal(path)
+        assert re.search(r"w \(over m\).*, T \(1000 .*unlike-results", refusal(path))
 
 
 class TestChannelsWithoutAClock:
     def test_times_of_one_group_are_not_those_of_another(self, written):
         path = written({"a/time s": TIMES + 0.25, "a/T N*m": TORQUE, "b/w rad/s": SPEED})
-        assert "b.w has no clock in the file, a.T (1000 Hz from 0.25 s) another" in refusal(path)
+        assert re.search(r"b\.w .*, a\.T .*0\.25 s.*unlike-results", refusal(path))
         found = read_recording(path, sampling_rate=1000)
         assert "b.w: no clock in the file, taken to be sampled with the others" in found.notes
         assert (found.start, len(found)) == (0.25, 4000)
@@ -118,7 +118,7 @@ class TestChannelsWithoutAClock:
 
     def test_times_named_after_a_channel_are_those_of_no_other(self, written):
         path = written({"t_T s": TIMES, "T N*m": TORQUE, "w rad/s": SPEED})
-        assert "w has no clock in the file, T (1000 Hz from 0 s) another" in refusal(path)
+        assert re.search(r"w .*, T \(1000 .*unlike-results", refusal(path))
 
     def test_a_rate_of_a_neighbour_brings_its_start(self, written):
         path = written({"T N*m": TORQUE, "w rad/s": SPEED})
@@ -132,4 +132,4 @@ class TestChannelsWithoutAClock:
         with hdf5().File(path, "a") as file:
             file["T"].attrs.update({"fs": 1000.0, "t0": 0.25})
             file["T2"].attrs.update({"fs": 1000.0, "t0": 0.5})
-        assert "another; read them one by one" in refusal(path, sampling_rate=1000)
+        assert "unlike-results" in refusal(path, sampling_rate=1000)

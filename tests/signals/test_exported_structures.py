@@ -1,5 +1,7 @@
 """Structures in MAT files of test systems: Testlab (x_values, y_values) and PULSE (File_Header, Channel_1_Data)."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -88,7 +90,7 @@ class TestTestlab:
     def test_structures_of_two_rates(self, tmp_path, version):
         slow = structure(np.arange(40.0), interval=1 / 200, name="T:oil", label="Nm")
         path = saved(tmp_path, {"Signal_0": structure(TIMES), "Signal_1": slow}, version)
-        assert "2 rates: 200 Hz from 0.5 s (T:oil); 2000 Hz from 0.5 s (Shaft:S)" in message(path)
+        assert re.search(r"200 Hz .*\(T:oil\); 2000 Hz .*\(Shaft:S\)", message(path))
         assert read_recording(path, sampling_rate=200).names == ("T:oil",)
         assert read_recording(path, sampling_rate=2000, resample=True).names == ("Shaft:S", "T:oil")
 

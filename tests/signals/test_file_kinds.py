@@ -156,7 +156,7 @@ class TestArraysOfAResponse:
 
         savemat(tmp_path / "h.mat", ARRAYS["one"][0])
         result = run("estimate", tmp_path / "h.mat", "--input", "T", "--output", "a", code=1)
-        assert "Freq, H are a frequency response, no record over time; fit and report read responses" in result.stderr
+        assert re.search("Freq, H .*unreadable-file", result.stderr)
         assert "--sampling-rate" not in result.stderr
 
     def test_lines_that_do_not_rise_are_refused(self, tmp_path):
@@ -185,7 +185,7 @@ class TestMessagesOnTheCommandLine:
 
     def test_no_rate(self, tmp_path):
         said = self.refused(tmp_path, "T [Nm],phi [rad]\n" + "1,2\n" * 50)
-        assert "nothing in the file tells the sampling rate; give --sampling-rate in Hz" in said
+        assert re.search("--sampling-rate .*missing-entry", said)
 
     def test_another_rate(self, tmp_path):
         rows = "".join(f"{at / 100},{at},1\n" for at in range(50))

@@ -93,7 +93,7 @@ class TestClockWithoutUnit:
         found = read_recording(clocked(tmp_path, step, count))
         told = [note for note in map(str, found.notes) if note.startswith("warning: t has no unit and was taken for s")]
         assert len(told) == 1
-        assert told[0].endswith("if it is in ms, or counts ticks, give its unit")
+        assert told[0].endswith("give its unit")
 
     @pytest.mark.parametrize("step", [1e-3, 0.02])
     def test_s_are_not(self, tmp_path, step):
@@ -352,7 +352,7 @@ class TestWhatIsNoColumnOfNumbers:
         assert said in {f"left out, as no column of numbers: {names}" for names in ("T, table", "table, T")}
         with pytest.raises(ModelError) as caught:
             read_recording(path, names=["T"])
-        assert 'no channel is named "T"; the file has w [unknown-channel]\n' in str(caught.value)
+        assert " w [unknown-channel]\n" in str(caught.value)
         assert f"note: {said}\n1 error in" in str(caught.value)
 
     def test_in_mat_files(self, tmp_path):
@@ -368,7 +368,7 @@ class TestWhatIsNoColumnOfNumbers:
 
     def test_no_rate_is_asked_for_where_there_is_nothing(self, tmp_path):
         np.savez(tmp_path / "r.npz", table=np.zeros(5, dtype=[("t", "f8"), ("T", "f8")]))
-        with pytest.raises(ModelError, match=r"wrong-file\]\nnote: left out, .* table\n1 err"):
+        with pytest.raises(ModelError, match=r"wrong-file\]\nnote: .* table\n1 err"):
             read_recording(tmp_path / "r.npz")
 
 

@@ -121,7 +121,7 @@ def test_signals_of_teeth_and_a_file_of_wheels(records):
     )
     run(*words, "--wheels", "wheels.yaml", "--pulses", "A", "-o", "two.yaml")
     assert read_wheel_pattern("two.yaml").positions == pytest.approx(found, abs=1e-9)
-    assert "one wheel is calibrated at a time" in run(*words, "--wheels", "wheels.yaml", code=2).stderr
+    assert "[missing-entry]" in run(*words, "--wheels", "wheels.yaml", code=2).stderr
 
 
 @pytest.mark.usefixtures("records")

@@ -172,7 +172,7 @@ class TestExecutor:
     def test_fault_of_a_worker(self, local, study_folder):
         with pytest.raises(ClusterError, match=r"(?s)chunk 3.*failed-program"):
             list(DaskExecutor(local, study_folder).map(FailingWork(study_folder, MemoryError()), [3]))
-        with pytest.raises(OSError, match="No space left on device") as told:
+        with pytest.raises(OSError, match="No space left") as told:
             list(
                 DaskExecutor(local, study_folder).map(
                     FailingWork(study_folder, OSError(28, "No space left on device")), [3]
@@ -195,7 +195,7 @@ class TestWorkers:
             return {**own(said), "numba": ""} if len(calls) == 1 else own(said)
 
         monkeypatch.setattr(chunk_task, "_of_process", without_numba_at_first)
-        with pytest.raises(ClusterError, match=r"worker tcp://.* has numba .*, this process has no numba"):
+        with pytest.raises(ClusterError, match=r"worker tcp://.* numba .* no numba"):
             list(DaskExecutor(local, study_folder).map(NoiseWork(str(study_folder)), range(3)))
         assert chunks_there(study_folder) == 0
 
@@ -239,7 +239,7 @@ class TestWorkers:
             raise OSError(30, "Read-only file system")
 
         monkeypatch.setattr(dask_executor.Path, "touch", full)
-        assert "cannot be used: Read-only file system" in folder_fault(str(token), "word")
+        assert "Read-only file system" in folder_fault(str(token), "word")
 
 
 @pytest.mark.slow
@@ -318,7 +318,7 @@ class TestOtherWorkers:
     def test_another_version(self, tmp_path, study_folder, old):
         with scheduler(tmp_path) as (file, _), workers(file, before=[old]), connected(str(file)) as cluster:
             cluster.wait_for_workers(1, timeout=PATIENCE)
-            with pytest.raises(ClusterError, match=r"worker tcp.* has torsionnet 0.0.1, this process has torsionnet "):
+            with pytest.raises(ClusterError, match=r"worker tcp.* torsionnet 0.0.1"):
                 list(DaskExecutor(cluster, study_folder).map(NoiseWork(str(study_folder)), range(3)))
             assert not list(study_folder.iterdir())
 
@@ -328,7 +328,7 @@ class TestOtherWorkers:
             cluster.wait_for_workers(1, timeout=PATIENCE)
             running = DaskExecutor(cluster, study_folder).map(NoiseWork(str(study_folder)), range(10**5))
             next(running)
-            with workers(file, before=[old]), pytest.raises(ClusterError, match=r"process .* has torsionnet 0.0.1"):
+            with workers(file, before=[old]), pytest.raises(ClusterError, match=r"process .* torsionnet 0.0.1"):
                 list(running)
             assert chunks_there(study_folder) > 0
 
