@@ -256,7 +256,7 @@ def test_the_message_of_a_key_run_together_with_its_value_names_what_is_missing(
     assert re.match('a blank .*"stiffness:"', *messages(BASE.replace("stiffness: k", "stiffness:k")))
     assert re.match('a colon .*"stiffness"', *messages(BASE.replace("stiffness: k", "stiffness k")))
     in_text = BASE.replace("stiffness: k", "stiffness: k, description: steel, length 3 m")
-    assert errors(in_text)[0].fault.kind == "missing-quotes"
+    assert "needs quotes" in messages(in_text)[0]
 
 
 def test_the_number_of_a_share_is_not_made_one_of_damping():
