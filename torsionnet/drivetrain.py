@@ -165,13 +165,10 @@ class Drivetrain(AssembledModel, AttributeHints):
         """
         from torsionnet.model.elements.lumped_matrices import LumpedMatrices
 
-        entries: dict[str, Any] = {"inertia": M, "damping": C, "stiffness": K}
-        # Sparse matrices are written out.
-        entries = {name: one.toarray() if hasattr(one, "toarray") else one for name, one in entries.items()}
-        M = entries["inertia"]
-        count = len(M) if isinstance(M, Sized) else 1  # what is no matrix is refused by the element
+        # What is no matrix is refused by the element.
+        count = (getattr(M, "shape", ()) or (len(M) if isinstance(M, Sized) else 1,))[0]
         nodes = [f"q{number}" for number in range(1, count + 1)] if names is None else list(map(str, names))
-        element = LumpedMatrices.from_entries("matrices", nodes=nodes, **entries)
+        element = LumpedMatrices.from_entries("matrices", nodes=nodes, inertia=M, damping=C, stiffness=K)
         return cls(name, [element], inputs=inputs, sensors=sensors)
 
     def check(self) -> tuple[Fault, ...]:

@@ -458,8 +458,7 @@ def exact(value: Real | RealNumber) -> Fraction:
     except OverflowError:
         raise UnitError("the number is too large", kind="not-finite") from None
     if not math.isfinite(size) or (size == 0.0 and value):  # the zero of sympy is not equal to 0, but false
-        text = f"expected a finite number that is not too small, got {value}"
-        raise UnitError(Fault(text, kind="not-a-number"))
+        raise UnitError(f"expected a finite number that is not too small, got {value}", kind="not-a-number")
     if isinstance(value, Fraction):
         return value
     # numpy's integers and floats come here, too, and write themselves differently.

@@ -32,7 +32,9 @@ class SymmetricMatrix(Spec[SquareMatrix]):
     dimension: str
 
     def coerce(self, raw: object) -> SquareMatrix:
-        rows = raw.__array__().tolist() if hasattr(raw, "__array__") else raw  # arrays, data frames, matrices of sympy
+        # Sparse matrices are written out; arrays, data frames and matrices of sympy have __array__.
+        given: Any = raw.toarray() if hasattr(raw, "toarray") else raw
+        rows = given.__array__().tolist() if hasattr(given, "__array__") else given
         if isinstance(rows, str | Mapping) or not isinstance(rows, Sequence) or not rows:
             raise EntryError(f"expected rows of numbers, as [[2, -2], [-2, 2]], {got(raw)}", kind="wrong-form")
         if any(isinstance(one, complex) for row in rows if isinstance(row, Sequence) for one in row):
