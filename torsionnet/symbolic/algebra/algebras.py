@@ -24,8 +24,10 @@ S = sympy.Symbol("s")
 class SympyForm(AttributeHints):
     """Base class of what sympy's functions and printers take for its expression, also where sympy has such a class."""
 
+    _sympy_: Callable[[], Any]
+
     def _latex(self, printer: Any) -> Any:
-        return printer._print(sympy.sympify(self))  # noqa: SLF001  # what sympy asks of such a method
+        return printer._print(self._sympy_())  # noqa: SLF001  # what sympy asks of such a method
 
     _pretty = _latex
 
