@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from torsionnet.base.errors import UsageError
-from torsionnet.base.phrases import phrase
+from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.table import result_table
 from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import FloatArray
@@ -103,12 +103,15 @@ def lost_torque_words(subject: ReportData) -> str:
         if kept < 1 - NOT_SHOWN:
             found.setdefault(f"{100 * kept:.3g}", []).append(case.configuration)
     every = subject.model.configurations
-    shares = [f"{share} % ({subject.titles.several(names, every)})" for share, names in found.items()]
+    shares = [
+        phrase("{share} % ({conditions})", share=share, conditions=subject.titles.several(names, every))
+        for share, names in found.items()
+    ]
     return (
         phrase(
             in_words_of(subject.model.definition.excitations.values(), LOST_TORQUE),
             speed=speed * RPM,
-            shares=", ".join(shares),
+            shares=joined(", ", shares),
         )
         if shares
         else ""
