@@ -170,3 +170,14 @@ class TestWidthsInWord:
                     words = " ".join(re.findall(r"<w:t[^>]*>([^<]+)</w:t>", cell)).split()
                     longest = max(map(len, words), default=0)
                     assert width - margins(piece) >= TWIPS_OF_A_LETTER * longest, (block.caption, words)
+
+
+@pytest.mark.parametrize(("count", "size"), [(6, 1.0), (8, 0.9), (9, 0.82)])
+def test_smaller_letters_make_room_for_long_texts(count, size):
+    """Numbers of nine letters with gaps of 1.5 leave 35, 14 and 3.5 of 98 letters; a column of texts has 18 at least."""
+    heads = (*[Heading("Allowed", numeric=True)] * count, Heading("Largest orders there", wide=True))
+    row = (*[NumberText(12345.678, 8)] * count, "engine 4: 52.8; engine 2.5: 18.4; engine 4.5: 15.5")
+    layout = TableLayout(TableBlock(("Wide",), heads, (TableGroup((row,)),)))
+    assert layout.size == size
+    (piece,) = layout.pieces
+    assert piece[-1].width is None or piece[-1].width >= 16

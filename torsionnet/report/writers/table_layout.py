@@ -29,6 +29,8 @@ PAGE_LETTERS, GAP_LETTERS, FEWEST_LETTERS = 98, 1.5, 10
 SIZES = (1.0, 0.9, 0.82)
 """Sizes of the letters of tables as shares of the usual one, of which the first that fits is taken: the least is 7
 points on paper."""
+WIDE_LETTERS = 18
+"""Width in letters that a column of long texts has where smaller letters make room for it: two or three words."""
 MOST_KEY_SHARE = 0.5
 """Largest share of the page's width that columns repeated below may take."""
 MATRIX_LETTERS = 48
@@ -186,9 +188,15 @@ class TableLayout:
 
     @cached_property
     def size(self) -> float:
-        """Size of the letters as a share of the usual one: smaller where the table fits the page only so."""
-        letters = sum(column.least_letters + GAP_LETTERS for column in self.columns)
-        return next((size for size in SIZES if letters * size <= PAGE_LETTERS), SIZES[0])
+        """Size of the letters as a share of the usual one: smaller where the table fits the page only so.
+
+        Smaller, too, where long texts would stand in narrow columns otherwise.
+        """
+        least = sum(column.least_letters + GAP_LETTERS for column in self.columns)
+        long = [column for column in self.columns if column.heading.wide and column.can_break]
+        more = sum(max(0, min(column.natural_letters, WIDE_LETTERS) - column.least_letters) for column in long)
+        fitting = (size for letters in (least + more, least) for size in SIZES if letters * size <= PAGE_LETTERS)
+        return next(fitting, SIZES[0])
 
     @property
     def page_letters(self) -> float:
