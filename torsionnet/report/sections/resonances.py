@@ -256,7 +256,7 @@ def _row(found: CriticalSpeeds, one: CriticalSpeed, line: OrderLine) -> tuple[Ce
     low, high = np.abs(line.frequency(np.array(found.speed_range))).tolist()
     compared = compared_words(one)
     required = "" if one.required is None else NumberText(100 * one.required, 3)
-    kept = "" if one.passes is None else "yes" if one.passes else "no"
+    kept = "" if one.passes is None else phrase("yes" if one.passes else "no")
     return (
         str(one.mode.number), NumberText(one.mode.undamped_frequency, 4),
         compared, NumberText(low, 3), NumberText(high, 3),
