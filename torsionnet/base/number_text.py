@@ -134,6 +134,7 @@ class NumberText:
             return _trimmed(f"{self.value / 10.0**self.exponent:.{self.digits - 1}f}")
         if self.value == 0:
             return "0"
+        # 10^n <= |value| < 10^(n+1) has n + 1 digits before its point, the others are decimals.
         places = self.digits - 1 - math.floor(math.log10(abs(self.value)))
         return _trimmed(f"{round(self.value, places):.{max(0, places)}f}")
 
@@ -174,6 +175,7 @@ def aligned_numbers(values: Sequence[float | None], digits: int = 4) -> list[Num
         or max(sizes) / min(sizes) > COLUMN_SPREAD
     ):
         return [NumberText(value, digits) for value in values]
+    # The smallest value decides, up to MOST_DECIMALS or the decimals of the largest.
     decimals = digits - 1 - math.floor(math.log10(min(sizes)))
     decimals = min(max(decimals, 0), max(MOST_DECIMALS, digits - 1 - math.floor(math.log10(max(sizes)))))
     return [NumberText(value, digits, decimals if value else None) for value in values]

@@ -140,6 +140,7 @@ def _value(kind: Any, data: Any) -> Any:
         case origin if origin in (Union, types.UnionType):
             return None if data is None else _value(_fitting(arguments, data), data)
         case origin if origin is tuple:
+            # tuple[T, ...] has one type for all parts.
             kinds = arguments[:1] * len(data) if arguments[1:] == (...,) else arguments
             return tuple(_value(own, part) for own, part in zip(kinds, data, strict=True))
         case origin if isinstance(origin, type) and issubclass(origin, Mapping):

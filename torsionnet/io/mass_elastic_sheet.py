@@ -329,6 +329,7 @@ def _laid_out(graph: MassElasticGraph) -> tuple[list[str], dict[str, Connection]
     order: list[str] = []
     held: dict[str, Connection] = {}
     used: set[str] = set()
+    # Depth first from a free end: the first way onward is the main line, others are branches.
     stack: list[tuple[str, bool, Connection | None]] = [((ends or list(at))[0], True, None)]
     while stack:
         node, is_main, by = stack.pop()

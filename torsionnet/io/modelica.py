@@ -250,6 +250,7 @@ class _Model:
             if sensor.quantity == "torque":
                 element = drivetrain.elements[sensor.of]
                 meters.setdefault((sensor.of, element.place_of(sensor.at)), []).append(read[name])
+        # A sensor of torque sits between the flange of an element and its node.
         for element in drivetrain.elements.values():
             write_element(element, self.net, words)
             for place, (name, node) in enumerate(element.ports.items()):

@@ -76,6 +76,7 @@ class DrivetrainBuilder:
             for element in self.content.chains[name]:
                 path = f"{name}.{element.name}"
                 parent, begin = None, here
+                # A gear wheel begins where the wheel that drives it ends, not at the element before.
                 if isinstance(element, GearElement) and element.parent:
                     parent, begin = wheels[element.parent]
                 elif branched:

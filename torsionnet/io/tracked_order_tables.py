@@ -265,6 +265,7 @@ def _channels(file: Path, line: int, heading: list[str]) -> dict[str, tuple[str,
         if not match:
             continue
         quantity, factor = units.get(match["unit"]), 1.0
+        # Another unit of a known quantity, as deg or kN*m, is converted.
         for unit, named in units.items():
             if quantity is None and match["unit"]:
                 try:

@@ -138,6 +138,7 @@ def _responses(
     size.plot(f, model.magnitude[:, 0, 0] * scale, color=MODEL, linewidth=1.6, label="model")
     _points(size, f, test.magnitude[:, 0, 0] * scale, good, "test")
     calculated = unwrapped_phase(model.values[:, 0, 0])
+    # The measured phase is drawn in the turn of the calculated one, within 180 degrees of it.
     apart = np.degrees(np.angle(test.values[:, 0, 0] / model.values[:, 0, 0]))
     measured = calculated + (apart if test.has_phase else np.nan)
     phase.plot(f, calculated, color=MODEL, linewidth=1.6)

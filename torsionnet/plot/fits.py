@@ -41,6 +41,7 @@ def order_column(
     assert compared.speeds is not None
     size, phase, left = panels
     scale = conventions.scale("rad") if compared.unit.startswith("rad") else 1.0
+    # Residuals over the standard deviation of their noise: 95 % of them are within +-2.
     left.axhspan(-2, 2, color=style.FAINT, alpha=0.6, linewidth=0)
     for order in drawn_orders(compared):
         mine, colour = compared.orders == order, colours[order]
@@ -191,6 +192,7 @@ def correlation(result: Fit, *, title: str | None = None, ax: Axes | None = None
 
 def _column(panels: list[Axes], compared: Compared, conventions: Conventions) -> None:
     size, phase, left = panels
+    # The unit of angles counts by its power: 1 above the bar, -1 below it.
     scale = conventions.scale("rad") ** (
         ("rad" in compared.unit.partition("/")[0]) - ("rad" in compared.unit.partition("/")[2])
     )

@@ -96,6 +96,7 @@ def thin_out(time: FloatArray, values: FloatArray, most: int = MOST_POINTS) -> t
     """
     if len(values) <= most:
         return time, values
+    # Two points a section, rounded up; what is left behind the last whole section stays as it is.
     length = -(-len(values) // (most // 2))
     whole = len(values) // length * length
     parts = values[:whole].reshape(-1, length)

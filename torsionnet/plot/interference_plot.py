@@ -192,6 +192,7 @@ def _orders(axes: Axes, result: CriticalSpeeds, top: float, end: float) -> None:
     names = _names(result)
     labelled: list[tuple[float, float]] = []
     speeds = np.linspace(axes.get_xlim()[0], end, SPEED_POINTS)
+    # Whole orders come first, fixed frequencies last: who comes first has a name where names are close.
     for line in sorted(result.lines, key=lambda line: (line.order <= 0, line.order != round(line.order), line.order)):
         frequencies = np.abs(line.frequency(speeds / RPM))
         seen = np.flatnonzero(frequencies <= top)

@@ -60,10 +60,12 @@ def _plane(axes: Axes, margins: LoopMargins) -> None:
     style.style_axes(axes)
     loop = margins.loop * np.minimum(1, LARGEST_LOOP / np.maximum(np.abs(margins.loop), 1e-300))
     axes.plot(loop.real, loop.imag, color=style.PALETTE[0], linewidth=1.4, label="L, frequency > 0")
+    # L(-j omega) is the conjugate of L(j omega).
     axes.plot(loop.real, -loop.imag, color=style.PALETTE[0], linewidth=0.7, linestyle="--")
     turn = np.linspace(0, 2 * np.pi, 361)
     axes.plot(np.cos(turn), np.sin(turn), color=style.INK, linewidth=0.6, alpha=0.5)
     axes.plot([-1], [0], "+", color=style.PALETTE[1], markersize=10, markeredgewidth=2, label="-1")
+    # k L is -1 where L = -1/k, and L exp(-j phi) is -1 where L = -exp(j phi).
     if math.isfinite(margins.gain_increase.value):
         text = f"gain × {margins.gain_increase.value:.3g}"
         axes.plot([-1 / margins.gain_increase.value], [0], "D", color=style.PALETTE[2], markersize=4, label=text)

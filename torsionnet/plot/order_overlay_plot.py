@@ -146,6 +146,7 @@ def _phases(panel: Axes, pairs: Sequence[ComparedOrder]) -> None:
         apart = np.degrees(np.angle(pair.measured * np.exp(-1j * np.radians(beside))))
         panel.plot(pair.speeds * RPM, beside + apart, color=drawn["color"], **_dots(number))
         if pair.half_widths is not None:
+            # An error of size w turns a phasor of length |X| by arcsin(w/|X|) at most.
             with np.errstate(divide="ignore"):
                 width = np.degrees(np.arcsin(np.minimum(pair.half_widths / np.abs(pair.measured), 1.0)))
             ends = beside + apart - width, beside + apart + width

@@ -397,6 +397,7 @@ def _draw(axes: Axes, holzer: HolzerTable) -> None:
         axes.plot(line.x, line.theta, "o", color=style.PALETTE[0], markersize=3)
         axes.vlines(line.x, 0, line.theta, color=style.PALETTE[0], linewidth=0.6, alpha=0.5)
         place |= {(name, name): (x, x) for x, name in zip(line.x, line.names, strict=True)}
+    # theta is straight over the compliance of a link: at a share of it the line drawn is at that share, too.
     for node in vibration_nodes(holzer):
         start, end = place[node.first, node.second]
         x = start + node.position * (end - start)

@@ -95,6 +95,7 @@ def draw_star(axes: Axes, star: StarDiagram) -> None:
             together.setdefault(round(float(np.angle(vector)), 4) % round(2 * math.pi, 4), []).append(label)
     for angle, labels in together.items():
         x, y = math.cos(angle), math.sin(angle)
+        # The sum's arrow would cover a text that lies in its direction.
         covered = abs(star.sum) > 1 and math.cos(angle - float(np.angle(star.sum))) > COVERING_COSINE
         beside = (-9 * y, -9 * abs(x)) if covered else (7 * x, 7 * y)
         axes.annotate(",".join(labels), (x, y), xytext=beside, textcoords="offset points", ha="left" if covered else

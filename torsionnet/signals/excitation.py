@@ -361,8 +361,10 @@ class LoadCycles(Excitation):
             here = (time >= start) & (time < end)
             turns = frequency * (time[here] - start)
             course = np.sin(TURN * turns)
+            # A triangle of height 1 is 2/pi arcsin of the sine.
             if self.shape == "triangle":
                 course = 2 / np.pi * np.arcsin(course)
+            # From mean to mean by half a cosine, so that not even the rate jumps.
             ramp = (1 - np.cos(np.pi * turns)) / 2 if mean != before else 1.0
             signal[here] = (before + (mean - before) * ramp) / self.amplitude + level * course
             start = end

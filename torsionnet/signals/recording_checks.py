@@ -202,6 +202,7 @@ def _is_measured(values: FloatArray, block: RepeatedBlock, step: float) -> bool:
 
     A block that directly follows its source is smooth at its end in any case, and at its start if it is a period.
     """
+    # A kink: second differences across a seam far above those inside the block.
     end = block.first + block.count
     stretch = values[block.first : end]
     usual = float(np.abs(np.diff(stretch, 2)).max())
@@ -211,6 +212,7 @@ def _is_measured(values: FloatArray, block: RepeatedBlock, step: float) -> bool:
             return True
     if not step:
         return is_rough((stretch, stretch))
+    # Noise turns back from step to step, a signal seldom does.
     moved = np.diff(stretch)
     signs = np.sign(moved[moved != 0])
     return float(np.mean(signs[1:] != signs[:-1])) > NOISE_REVERSALS

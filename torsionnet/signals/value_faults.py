@@ -126,6 +126,7 @@ def frozen_stretches(values: FloatArray, sampling_rate: float, step: float = 0.0
     >>> frozen_stretches(values, 1000.0)
     [(700, 899)]
     """
+    # Runs of equal values; those at the ends of the record do not show that the signal moves before and after.
     changes = np.flatnonzero(np.diff(values) != 0)
     firsts = np.concatenate([[0], changes + 1])
     lengths = np.diff(np.concatenate([firsts, [len(values)]]))

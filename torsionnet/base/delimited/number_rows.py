@@ -143,6 +143,7 @@ class StampReader:
             rows = np.array(texts, dtype=f"S{len(texts[0]) + 1}")
         except UnicodeEncodeError:
             return None
+        # A row of characters per stamp: but for digits (48 to 57) all are those of the first row.
         signs = rows.view(np.uint8).reshape(len(texts), -1)
         template, fixed = signs[0], np.ones(signs.shape[1], dtype=bool)
         groups = [stamp.span(name) for name in ("hours", "minutes", "seconds", "part")]

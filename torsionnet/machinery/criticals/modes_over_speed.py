@@ -149,7 +149,7 @@ class ModesOverSpeed:
         values: list[tuple[tuple[str, float], ...]] = []
         if drivetrain.definition.follows_speed:
             compared = np.linspace(*speed_range, COMPARED_SPEEDS)
-            values = [tuple(one.items()) for one in values_at_speeds(drivetrain, reference, compared)]
+            values = [tuple(piece.items()) for piece in values_at_speeds(drivetrain, reference, compared)]
         question = reference, speed_range, tuple(numbers), reach, highest, tuple(values)
         return _recent(drivetrain).once(
             cls,

@@ -251,10 +251,10 @@ class WorstResponse(OrderResponse):
         cases = [] if self.scattered else list(self.alternatives.values())
         part = slice(place, place + 1)
         single = (
-            replace(one, speeds=one.speeds[speeds], values=one.values[speeds, :, part], outputs=one.outputs[part])
-            for one in cases
+            replace(case, speeds=case.speeds[speeds], values=case.values[speeds, :, part], outputs=case.outputs[part])
+            for case in cases
         )
-        return np.array([one.half_range[:, 0] for one in single]).reshape(len(cases), len(self.speeds[speeds]))
+        return np.array([run.half_range[:, 0] for run in single]).reshape(len(cases), len(self.speeds[speeds]))
 
     def _case(self, at: int, place: int, sizes: FloatArray) -> str:
         parts = [self._alike(at, place, sizes)] if self.labels else []

@@ -89,6 +89,7 @@ class ArcSprings:
         20.0
         """
         e, base = self.winding, self.base
+        # The three cases of first_torque, each solved for the push k gamma.
         u = abs(torque) + base
         if e == 0:
             pushed = u - base

@@ -90,6 +90,7 @@ def stiffness_over(
     if isinstance(curve, PieceCurve) and not _pushes_only(curve):
         if curve.over == "twist":
             return np.asarray(_of_pieces(curve, amplitude, mean, omega)[1], dtype=np.complex128)
+        # The rate swings by a omega about 0; its slope c acts as j omega c over the twist.
         rate = _of_pieces(curve, amplitude * omega, np.zeros_like(mean), omega)[1]
         return np.asarray(1j * omega * rate.real)
     if isinstance(curve, PieceCurve):

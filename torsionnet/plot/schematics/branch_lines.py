@@ -119,6 +119,7 @@ def _wheels(block: Piece, stage: GearPair, x: float, distance: float) -> None:
     down = distance > 0
     mesh = MESH if stage.compliant else 0.0
     between = abs(distance) if abs(distance) < FARTHEST_WHEELS else LARGEST_WHEELS
+    # Radii r_1 + r_2 = distance of the lines, in the ratio of the teeth.
     first = (between - mesh) / (1 + stage.child_over_parent)
     second = between - mesh - first
     side = -1 if down else 1

@@ -135,6 +135,7 @@ def _draw(
     below = _ports_below(line, vertex, element, leaving)
     side = max((text_width(link.port, "port") + 8 for link in (before, after) if link is not None), default=8.0)
     slots = [max(30.0, text_width(port, "port") + 8) for port in below]
+    # Room for the symbol between the ports of the line, for the texts, and for the ports below side by side.
     width = max(2 * (symbols.HALF_SIZE + side), label_width(texts) + BOX_GAP, sum(slots) + 8)
     before_x, middle = line.x, line.keep_free(width)
     start, end = middle - width / 2, middle + width / 2

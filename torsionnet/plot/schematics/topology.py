@@ -198,6 +198,7 @@ def connections(drivetrain: Drivetrain) -> Connections:
             connected.attached[ends[0]].append(element)
         elif ends:
             parallel.setdefault((frozenset(ends), _steps(element)), []).append(element)
+    # Elements between the same two nodes are one link, drawn side by side.
     for group in parallel.values():
         first, second = _ends(group[0])
         connected.links.append(Link(Vertex(first), Vertex(second), tuple(group)))

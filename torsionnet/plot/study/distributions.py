@@ -119,6 +119,7 @@ def _ends(axes: Axes, first: LimitedValues, scale: float, drawn: list[LimitedVal
     high = scale * max(distribution.edges[-1] for distribution in drawn)
     spread = high - low if any(distribution.constant is None for distribution in drawn) else max(abs(low), abs(high))
     sides = [None if side is None else side * scale for side in (first.above, first.below)]
+    # A limit farther off than the values spread would squeeze them: it is named at the edge.
     near = [side for side in sides if side is not None and low - spread <= side <= high + spread]
     low, high = min([low, *near]), max([high, *near])
     axes.set_xlim(low - SIDE_MARGIN * (high - low), high + SIDE_MARGIN * (high - low))

@@ -323,6 +323,7 @@ def _loose(stack: Stack, positions: FloatArray, wheel: Wheel) -> list[Note]:
     left = np.array([shown.left(positions) for shown in stack.first])
     if len(left) < 2:
         return []
+    # Standard deviation of a tooth's place from window to window, over the pitch 2 pi/z.
     share = float(np.sqrt(np.nanmean(np.nanvar(left, axis=0, ddof=1)))) * wheel.teeth / (2 * np.pi)
     if share <= LOOSE_SHARE:
         return []
