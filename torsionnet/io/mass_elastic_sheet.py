@@ -233,7 +233,7 @@ def _named(connections: list[Connection]) -> Iterator[Connection]:
     names = [connection.name for connection in connections]
     for index, link in enumerate(connections):
         several = names.count(link.name) > 1
-        yield (replace(link, name=f"{link.name}_{names[:index].count(link.name) + 1}") if several else link)
+        yield replace(link, name=f"{link.name}_{names[:index].count(link.name) + 1}") if several else link
 
 
 def _ratios(graph: MassElasticGraph, reference: str) -> dict[str, Any]:

@@ -256,49 +256,43 @@ def _given(external: ExternalTorques, machines: list[_Machine], work: Mapping[st
     propellers = [machine for machine in machines if machine.excitation.kind == PROPELLER]
     total = _taken(work) if work else sum(machine.powers[0] for machine in propellers)
     engines = [machine for machine in machines if machine.is_driver]
-    for machine in engines:
-        share = _share(external, machine, len(engines))
-        if (
-            not share
-            or not total
-            or any(_agree(power, share * total, machine.rating.shares) for power in machine.powers)
-        ):
+    for engine in engines:
+        share = _share(external, engine, len(engines))
+        if not share or not total or any(_agree(power, share * total, engine.rating.shares) for power in engine.powers):
             continue
-        wanted, given = share * total, machine.powers[0]
-        indicated = " indicated" if machine.rating.shares[0] < 1 else ""
-        text = f"{machine.name} gives {power_text(given)}{indicated} at rated speed"
+        wanted, given = share * total, engine.powers[0]
+        indicated = " indicated" if engine.rating.shares[0] < 1 else ""
+        text = f"{engine.name} gives {power_text(given)}{indicated} at rated speed"
         text += f", {'the load takes' if work else 'propellers take'} {power_text(wanted)} from it"
-        cause, meant = _cause(machine, wanted, external)
-        least = given * machine.rating.shares[0]
+        cause, meant = _cause(engine, wanted, external)
+        least = given * engine.rating.shares[0]
         severity = "note" if least > wanted and not cause else "warning"
         fault = Fault(
             text + cause,
-            machine.path(machine.rating.path),
+            engine.path(engine.rating.path),
             severity,
             about=LOAD,
             meant=meant,
             kind="contradicting-values",
         )
-        yield _Unlike(machine, given / wanted, fault)
+        yield _Unlike(engine, given / wanted, fault)
 
 
 def _taken(work: Mapping[str, float]) -> float:
     return -sum(min(0.0, power) for power in work.values())
 
 
-def _share(external: ExternalTorques, machine: _Machine, engines: int) -> float | None:
+def _share(external: ExternalTorques, engine: _Machine, engines: int) -> float | None:
     """Share of the load's power that an engine gives; None where the load does not say."""
     load = external.definition.load
     if load is None or not load.driven_by:
         return 1.0 if engines == 1 else None
     named = {
-        name: share
-        for name, share in load.driven_by.items()
-        if name == machine.name or name in machine.excitation.nodes
+        name: share for name, share in load.driven_by.items() if name == engine.name or name in engine.excitation.nodes
     }
     if named:
         return float(sum(named.values()))
-    return 1.0 if engines == 1 and len(load.driven_by) == 1 and machine.excitation.kind == ENGINE else None
+    return 1.0 if engines == 1 and len(load.driven_by) == 1 and engine.excitation.kind == ENGINE else None
 
 
 def _agree(stated: float, expected: float, shares: tuple[float, float]) -> bool:

@@ -335,9 +335,10 @@ class CriticalSpeeds(SavedResult):
                 f"mode {mode} meets order {order:g} at {places} rpm; say which with near=, in rad/s",
                 kind="ambiguous-name",
             )
-        known = ", ".join(dict.fromkeys(speed.line for speed in self.crossings if speed.mode.number == mode)) or "none"
+        known = dict.fromkeys(crossing.line for crossing in self.crossings if crossing.mode.number == mode)
         raise UsageError(
-            f"mode {mode} meets no order {order:g} in or near the operating range; it meets {known}",
+            f"mode {mode} meets no order {order:g} in or near the operating range; "
+            f"it meets {', '.join(known) or 'none'}",
             kind="unknown-order",
         )
 

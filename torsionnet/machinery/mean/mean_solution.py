@@ -325,11 +325,8 @@ def _stated(
     turning = mean_speeds(definition, values)
     if not turning.get(reference):
         reference = next(iter(definition.operating_point.speed), next(iter(torques)))
-    return (
-        reference,
-        np.array([turning.get(reference, 0.0)]),
-        {node: np.array([torque]) for node, torque in torques.items()},
-    )
+    acting = {node: np.array([torque]) for node, torque in torques.items()}
+    return reference, np.array([turning.get(reference, 0.0)]), acting
 
 
 def _require_determined(drivetrain: AssembledModel, outputs: Sequence[Functional]) -> None:

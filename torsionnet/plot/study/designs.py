@@ -99,10 +99,8 @@ def _draw_places(axes: Axes, parameters: tuple[DesignParameter, ...], units: Sho
 
 
 def _value(parameter: DesignParameter, units: ShownUnits) -> str:
-    value, unit = (
-        parameter.value * units.scale(parameter.name, parameter.unit),
-        units.unit(parameter.name, parameter.unit),
-    )
+    value = parameter.value * units.scale(parameter.name, parameter.unit)
+    unit = units.unit(parameter.name, parameter.unit)
     return f"{style.tick_text(float(f'{value:.4g}'))} {typeset_unit(unit)}".strip()
 
 

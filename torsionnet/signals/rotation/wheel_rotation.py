@@ -283,11 +283,8 @@ def _of_pulses(
     """Rotation by numbered pulses of a wheel of even pitch, or with its pitch pattern removed."""
     after_gap, gap = tooth_after_gap(pulses, wheel, channel.name) if first is None else (None, "")
     pulses = replace(pulses, period=wheel.teeth if wheel.missing_teeth else 0)
-    remarks, repairs, zero = (
-        pulses.remarks,
-        len(pulses.spurious) + pulses.irregular.total,
-        "the tooth of the first pulse",
-    )
+    remarks, repairs = pulses.remarks, len(pulses.spurious) + pulses.irregular.total
+    zero = "the tooth of the first pulse"
     rotation: Rotation | None = None
     # Tooth 0 by the number given, else by the gap, by an index pulse, or by the shape of the pattern.
     if after_gap is not None:
