@@ -6,6 +6,7 @@ import json
 import os
 import re
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -104,14 +105,26 @@ def finished(work):
 
 
 def session(folder, talk, encodings=None):
-    """Talk of an editor with a server of its own, from the first message to the exit."""
+    """Talk of an editor with a server of its own in this process, from the first message to the exit.
+
+    A process takes half a second to start; what only a process shows, the tests with `COMMAND` see.
+    """
 
     from pygls.lsp.client import LanguageClient
+
+    from torsionnet.app.language_server.standard_streams import serve
+
+    listening = socket.create_server(("127.0.0.1", 0))
+
+    def served():
+        with listening, listening.accept()[0] as connection, connection.makefile("rb") as requests:
+            return serve(requests, connection.makefile("wb"))
 
     async def all_of_it():
         client = LanguageClient("test", "1")
         editor = Editor(client, folder)
-        await client.start_io(*COMMAND, cwd=ROOT)
+        code = asyncio.get_running_loop().run_in_executor(None, served)
+        await client.start_tcp(*listening.getsockname())
         general = lsp.GeneralClientCapabilities(position_encodings=encodings) if encodings else None
         watching = lsp.DidChangeWatchedFilesClientCapabilities(dynamic_registration=True)
         workspace = lsp.WorkspaceClientCapabilities(did_change_watched_files=watching)
@@ -125,9 +138,8 @@ def session(folder, talk, encodings=None):
         finally:
             await asyncio.wait_for(client.shutdown_async(None), PATIENCE)
             client.exit(None)
-            await asyncio.wait_for(client._server.wait(), PATIENCE)
+            assert await asyncio.wait_for(code, PATIENCE) == 0
             await client.stop()
-        assert client._server.returncode == 0
         return editor
 
     return finished(all_of_it())
@@ -503,9 +515,9 @@ def test_changes_of_ranges_make_the_text_that_the_editor_shows(tmp_path, breaks)
     ids=["before the start", "second start", "after the end"],
 )  # fmt: skip
 def test_a_request_out_of_its_time_is_refused(sent, code):
-    found, done = answers(sent())
+    found, ended = answers_here(sent())
     assert next(one for one in found if one.get("id") == 5)["error"]["code"] == code
-    assert done.returncode == 0
+    assert ended == 0
 
 
 def test_only_models_are_checked(tmp_path):
@@ -680,13 +692,31 @@ HOVER = {"textDocument": {"uri": "file:///models/model.yaml"}, "position": {"lin
 def answers(sent):
     """What the server answers to bytes on its standard input, as JSON, and the finished process."""
     done = subprocess.run(COMMAND, input=sent, capture_output=True, timeout=PATIENCE, check=False, cwd=ROOT)
-    found, rest = [], done.stdout
-    while rest:  # nothing but messages of the protocol
+    return messages(done.stdout), done
+
+
+def answers_here(sent):
+    """The same of a server in this process, and its exit code."""
+    from torsionnet.app.language_server.standard_streams import serve
+
+    class Written(io.BytesIO):
+        def close(self):
+            """Keep what was written."""
+
+    written = Written()
+    code = serve(io.BytesIO(sent), written)
+    return messages(written.getvalue()), code
+
+
+def messages(rest):
+    """What bytes hold, which is nothing but messages of the protocol."""
+    found = []
+    while rest:
         header, _, rest = rest.partition(b"\r\n\r\n")
         length = int(re.search(rb"Content-Length: (\d+)", header)[1])
         found.append(json.loads(rest[:length]))
         rest = rest[length:]
-    return found, done
+    return found
 
 
 def opened(text, uri="file:///models/model.yaml"):
@@ -725,12 +755,12 @@ BROKEN = {
 
 @pytest.mark.few(4, 3)
 @pytest.mark.parametrize("broken", BROKEN)
-def test_no_message_ends_the_server(broken):
-    found, done = answers(START + BROKEN[broken] + request(7, "textDocument/hover", HOVER) + END)
+def test_no_message_ends_the_server(broken, capfd):
+    found, code = answers_here(START + BROKEN[broken] + request(7, "textDocument/hover", HOVER) + END)
     numbers = [one["id"] for one in found if "id" in one]
     assert {1, 7, 99} <= set(numbers)
-    assert done.returncode == 0
-    assert b"Traceback" not in done.stderr
+    assert code == 0
+    assert "Traceback" not in capfd.readouterr().err
     if "request" in broken or "arguments" in broken or "places" in broken:
         assert next(one for one in found if one.get("id") == 5)["error"]["code"] in (-32601, -32602)
 
@@ -745,7 +775,10 @@ def test_a_message_that_is_too_long_is_passed_over():
     assert guarded_input.GuardedInput(io.BytesIO(b"short")).read(10**15) == b""
 
 
-def test_an_editor_that_goes_away_ends_the_server():
+def test_a_process_ends_as_the_editor_says_or_goes_away():
+    found, done = answers(START + BROKEN["no JSON"] + request(7, "textDocument/hover", HOVER) + END)
+    assert [one["id"] for one in found if "id" in one] == [1, 7, 99]
+    assert (done.returncode, b"Traceback" in done.stderr) == (0, False)
     found, done = answers(START)
     assert [one["id"] for one in found] == [1]
     assert done.returncode == 1  # it did not say goodbye

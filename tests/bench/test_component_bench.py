@@ -2,6 +2,7 @@
 
 import math
 import re
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -41,6 +42,11 @@ def recorded(frequency=1.5, *, damping=0.01, friction=5, shape="sine", seed=1, *
     return bench.run(), bench
 
 
+@cache
+def unspoiled():
+    return recorded()
+
+
 def loop_of(record, twist="gamma", **corrections):
     (loop,) = loops(record, "T_m", twist, **corrections).loops
     return loop
@@ -67,7 +73,7 @@ class TestWhatSpoils:
     def test_torque_that_comes_late(self):
         """k a sin(w tau) = 1.5 of 5 N m."""
         record, _ = recorded(T_m=Transducer(noise="0.02 N*m", delay="1.2 ms"))
-        true = loop_of(recorded()[0]).loss.value
+        true = loop_of(unspoiled()[0]).loss.value
         assert loop_of(record).loss.value < 0.8 * true
         assert loop_of(record, delay=1.2e-3).loss.value == pytest.approx(true, rel=5e-3)
 
@@ -77,7 +83,7 @@ class TestWhatSpoils:
         record, _ = recorded(T_m=StrainGauge(noise="0.02 N*m", zero_drift={"change": "7 N*m"}))
         found = loop_of(record, drift=True)
         assert loop_of(record).drift.value == pytest.approx(1.0, rel=0.02)
-        assert found.friction.value == pytest.approx(loop_of(recorded()[0]).friction.value, rel=1e-2)
+        assert found.friction.value == pytest.approx(loop_of(unspoiled()[0]).friction.value, rel=1e-2)
 
     def test_steps_of_the_encoder(self):
         """1440 lines: steps of .25 deg, which add to the interval."""
@@ -102,7 +108,7 @@ class TestWhatSpoils:
     def test_the_truth_is_without_all_of_it(self):
         gauge = StrainGauge(noise="0.5 N*m", zero_drift={"change": "7 N*m"}, delay="3 ms")
         _, spoiled = recorded(T_m=gauge, gamma=Transducer(noise="0.1 deg"))
-        _, clean = recorded()
+        _, clean = unspoiled()
         np.testing.assert_array_equal(spoiled.truth["T_m"].values, clean.truth["T_m"].values)
 
 

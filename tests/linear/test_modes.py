@@ -146,35 +146,38 @@ def test_without_damping_the_natural_frequencies_are_the_undamped_ones():
 def fixed_points(M, C, K, tables, top):
     """Real poles at rest and fixed points of Im lambda of dense matrices with tables (row, rows), by bisection."""
 
+    n = len(M)
+
     def poles(omega):
-        k, c = K.copy(), C.copy()
+        k, c = K, C
         for a, rows in tables:
             f, *columns = np.array(rows, dtype=float).T
             k, c = (
-                total + np.interp(omega / (2 * np.pi), f, column) * np.outer(a, a)
+                total + np.interp(omega / (2 * np.pi), f, column)[..., None, None] * np.outer(a, a)
                 for total, column in zip((k, c), columns, strict=True)
             )
-        n = len(M)
-        A = np.block([[np.zeros((n, n)), np.eye(n)], [-np.linalg.solve(M, k), -np.linalg.solve(M, c)]])
+        A = np.zeros((*np.shape(omega), 2 * n, 2 * n))
+        A[..., :n, n:], A[..., n:, :n], A[..., n:, n:] = np.eye(n), -np.linalg.solve(M, k), -np.linalg.solve(M, c)
         return np.linalg.eigvals(A)
 
     def above(omega):
-        return np.sum(poles(omega).imag > omega)
+        return np.sum(poles(omega).imag > np.expand_dims(omega, -1), axis=-1)
 
-    grid = np.geomspace(1e-3, top, 1500)  # finer than what two fixed points could be apart here
-
-    def between(low, high):
-        if above(low) <= above(high):  # a fixed point at which the number rises is no mode
+    def between(low, high, most, least):
+        if most <= least:  # a fixed point at which the number rises is no mode
             return []
         if high - low < 1e-13 * high:
             every = poles(high)
-            return [every[np.argmin(np.abs(every.imag - high))]] * int(above(low) - above(high))
+            return [every[np.argmin(np.abs(every.imag - high))]] * int(most - least)
         middle = (low + high) / 2
-        return [*between(low, middle), *between(middle, high)]
+        count = above(middle)
+        return [*between(low, middle, most, count), *between(middle, high, count, least)]
 
+    grid = np.geomspace(1e-3, top, 1500)  # finer than what two fixed points could be apart here
+    ends = pairwise(zip(grid, above(grid), strict=True))
     rest = poles(0.0)
     still = rest[np.abs(rest.imag) < 1e-9 * np.abs(rest)].real
-    return [*still, *(z for low, high in pairwise(grid) for z in between(low, high))]
+    return [*still, *(z for (low, most), (high, least) in ends for z in between(low, high, most, least))]
 
 
 def film(rows, ground=None):

@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 import pytest
+from support.campaigns import examples
 from support.loop_records import (
     STAGES,
     arc_spring_record,
@@ -266,11 +267,12 @@ def coverage(loops_of_records, true, values):
     ids=["white noise", "random walk"],
 )
 def test_intervals_over_cycles_cover_also_where_the_meter_wanders(walk, scatter):
-    errors, hits = coverage((only(stage_record(seed, walk=walk)) for seed in range(80)), TRUE, stage_values)
+    seeds = range(examples(16, 80))
+    errors, hits = coverage((only(stage_record(seed, walk=walk)) for seed in seeds), TRUE, stage_values)
     for name, one in errors.items():
         assert one.std() < 1.35 * scatter[name], name
         assert abs(one.mean()) < 4 * one.std() / np.sqrt(len(one)) + 1e-4, name
-        assert 0.86 <= hits[name] <= 1.0, name
+        assert hits[name] >= examples(0.8, 0.86), name
 
 
 @pytest.mark.nightly

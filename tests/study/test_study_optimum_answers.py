@@ -152,12 +152,12 @@ def test_numbers_of_designs_have_their_units():
     target = answered({"type": "optimum", "targets": {"f_1": 7}, "design": k})
     assert target.sentences[0] == "f_1 has its target, 7 Hz"
     front = answered(
-        {"type": "pareto", "minimise": "f_1", "maximise": "f_2", "design": k, "population": 8, "generations": 2}
+        {"type": "pareto", "minimise": "f_1", "maximise": "f_2", "design": k, "population": 8, "generations": 1}
     )
     assert [one.unit for one in front.table().columns] == ["N*m/rad", "Hz", "Hz"]
     assert front.sentences[1].startswith("the best f_1 is ")
     assert front.sentences[1].count(" Hz") == 2
-    robust = answered({"type": "robust_optimum", "minimise": "f_1", "design": k, **limits})
+    robust = answered({"type": "robust_optimum", "minimise": "f_1", "design": k, "samples": 32, **limits})
     units = {row[0]: row[1] for row in robust.table().rows}
     assert units["mean of f_1"] == units["mean + 3 sigma of f_1"] == units["mean + 3 sigma of f_2"] == "Hz"
     assert units["share that keeps all limits"] == ""
