@@ -10,6 +10,8 @@ import pytest
 import torsionnet as tn
 from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.io import mass_elastic_report, read_mass_elastic
+from torsionnet.model.sheets.sheet_rows import _quotient
+from torsionnet.model.sheets.sheet_values import SheetValue
 
 CASES = Path(__file__).parents[1] / "validation" / "cases"
 SHEETS = Path(__file__).parents[1] / "sheets"
@@ -321,3 +323,8 @@ def test_broken_sheets_are_refused_with_their_place(tmp_path):
             refused += places == {"x.csv"}
     assert refused
     assert read_in
+
+
+def test_speeds_in_two_units_have_the_ratio_of_their_sizes():
+    assert _quotient(SheetValue(4.0, "4 rad/s"), SheetValue(2.0, "0.0333 krpm")) == 2
+    assert _quotient(SheetValue(31.4, "300 rpm"), SheetValue(10.5, "100 rpm")) == 3

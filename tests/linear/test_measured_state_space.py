@@ -5,6 +5,7 @@ import pytest
 from support.models import geared_line
 
 import torsionnet as tn
+from torsionnet.linear.dynamic_stiffness.measured_state_space import _until_driven
 
 F = np.array([0.2, 3.0, 17.0, 60.0])
 
@@ -135,3 +136,8 @@ def test_requests_that_have_no_state_space():
         model.to_control("phi")
     with pytest.raises(tn.UsageError, match="unsupported-law"):
         model.to_control("acc", "phi", driven_by="T_a")
+
+
+def test_a_reading_that_no_excitation_moves_is_no_input():
+    with pytest.raises(tn.UsageError, match="zero-reading"):
+        _until_driven(np.array([[0.0, 1.0], [-4.0, 0.0]]), np.zeros((2, 1)), np.array([1.0, 0.0]), np.zeros(1), "T")

@@ -1,6 +1,7 @@
 """Optimum dampers against closed forms: Den Hartog's untuned and tuned dampers, the exact minimax of the tuned one."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from torsionnet.linear.frequency_response import Channel
 from torsionnet.linear.sensitivity.parametric import parametric_response
 from torsionnet.machinery.design.damper_optimum import DamperOptimum, DesignParameter, FixedPoint, LevelPeak
 from torsionnet.machinery.design.levels import OrderLevels, ReceptanceLevels, VariedModel
+from torsionnet.machinery.design.minimax import largest
 
 J, K = 2.0, 8e4
 OMEGA = np.sqrt(K / J)
@@ -301,3 +303,13 @@ def test_levels_over_speed_do_not_depend_on_the_step(step):
     points = levels.maxima(np.array([c, 0.0]))
     assert points[0] == pytest.approx(near[meant.argmax()], rel=1e-5)
     assert levels.at(np.array([c, 0.0]), points[:1]).item() == pytest.approx(meant.max(), rel=1e-3)
+
+
+def test_the_largest_level_is_that_at_the_highest_maximum():
+    """Of 9 - (f - 2)^2 on a grid that misses its top."""
+    levels = SimpleNamespace(
+        maxima=lambda _: np.array([2.0, 1.0]),
+        grid=lambda _: np.array([0.0, 3.0]),
+        at=lambda _, points: 9 - (points - 2) ** 2,
+    )
+    assert (largest(levels, None), largest(levels, None, refined=False)) == (9, 8)

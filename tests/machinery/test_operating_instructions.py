@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ import torsionnet as tn
 from torsionnet.base.result_fields import json_schema
 from torsionnet.machinery.verdicts.limit_check import LimitCheck
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
-from torsionnet.machinery.verdicts.operating_instructions import instruction_table, operating_instructions
+from torsionnet.machinery.verdicts.operating_instructions import _way, instruction_table, operating_instructions
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan
 from torsionnet.report.document_tree import TableBlock, inlines
 from torsionnet.report.report import make_report
@@ -205,3 +206,11 @@ def test_command_and_report_show_them():
     report = make_report(tn.load("two_stroke_ship"), sections=["limits"], date=None)
     captions = [inlines(block.caption) for block in report.sections[0].blocks if isinstance(block, TableBlock)]
     assert ("Operating instructions",) in captions
+
+
+@pytest.mark.parametrize(
+    ("permitted", "free"), [([], "40 to 50"), ([SpeedSpan(45 * RPM, 90 * RPM)], "45 to 50")], ids=["all", "a part"]
+)
+def test_another_condition_is_free_in_the_part_that_it_permits(permitted, free):
+    other = SimpleNamespace(configuration="b", passed=[], permitted=permitted)
+    assert free in str(_way(other, SpeedSpan(40 * RPM, 50 * RPM), str))

@@ -374,6 +374,8 @@ class TestDiagram:
         wandering = [f for order in stable for f in order if np.min(np.abs(f / np.array([4, 9, 17]) - 1)) > 0.02]
         assert len(wandering) <= 2
         assert identify_modes(diagram, selection="clusters").natural_frequencies == pytest.approx([4, 9, 17], rel=2e-3)
+        shown = next(one for one in tn.plot.stabilisation(diagram).axes if one.get_ylabel() == "order of the fit")
+        assert shown.get_ylim() == (0, len(diagram.orders) + 1)
 
     @pytest.mark.slow
     def test_criteria_are_kept(self):

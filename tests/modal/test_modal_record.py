@@ -128,7 +128,7 @@ class TestWindowsDoNotMatter:
         clean, rng = simulated(plant, 40), np.random.default_rng(1)
         size = 0.01 * clean["y"].values.std()
         scores = []
-        for _ in range(campaigns.examples(10, 30)):
+        for _ in range(campaigns.examples(6, 30)):
             noisy = clean["y"].values + size * rng.standard_normal(len(clean))
             found = modes_of(Recording((clean["T"], Signal("y", "angle", noisy)), RATE), 2)
             assert len(found) == 2

@@ -145,6 +145,10 @@ class TestBadInput:
             ("out-of-range", ("elements", "dmf", "swing")),
         ]
 
+    def test_without_a_swing_there_is_no_loop(self):
+        parts = [tn.Inertia("J", node="a", inertia=1), arcs(swing=0)]
+        assert faults_of(lambda: tn.Drivetrain("rig", parts)) == [("out-of-range", ("elements", "arcs", "swing"))]
+
     def test_stages_have_no_arc(self):
         stages = [{"stiffness": 300}]
         with pytest.raises(tn.ModelError, match="missing-entry"):

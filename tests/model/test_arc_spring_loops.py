@@ -139,13 +139,13 @@ class TestLifting:
 class TestMeanTorque:
     @pytest.mark.parametrize(("rpm", "swing"), [(0, 2), (1500, 0.5), (3000, 2), (3000, 10), (1500, 10)])
     def test_is_the_mean_over_a_sine_of_the_twist(self, rpm, swing):
-        """Read off the march by 4000 times of a cycle."""
+        """Read off the march by 1000 times of a cycle."""
         loop = loop_at_torque(springs(rpm), math.radians(swing), 280.0)
         chain = SegmentChain(springs(rpm), 160)
-        phases = 2 * np.pi * (np.arange(4000) + 0.5) / 4000
+        phases = 2 * np.pi * (np.arange(1000) + 0.5) / 1000
         twists = loop.mean_twist + math.radians(swing) * np.cos(phases)
         chain.lead(loop.mean_twist + math.radians(swing))
-        torques = np.array([chain.lead(twist).torques[-1] for twist in [*twists, *twists]][4000:])
+        torques = np.array([chain.lead(twist).torques[-1] for twist in [*twists, *twists]][1000:])
         assert torques.mean() == pytest.approx(280, rel=1e-3)
         first = 2 * np.mean(torques * np.exp(-1j * phases)) / math.radians(swing)
         # Under gamma = a cos(w t) a loss is an imaginary part above zero: the torque leads.

@@ -48,10 +48,14 @@ def driven_car(speeds: list[str] | str, **more: object) -> tn.Drivetrain:
 
 
 @pytest.fixture(scope="module")
-def rattle() -> PeriodicOrders:
-    """Orders of the clearance at 40, 45 and 50 Hz."""
-    speeds = {"of": "a", "list": ["2400 rpm", "2700 rpm", "3000 rpm"]}
-    return rattling(speeds=speeds).order_response("twist(gap)", nonlinear="periodic")
+def rattler() -> tn.Drivetrain:
+    """Clearance at 40, 45 and 50 Hz, whose branches are followed once for all questions."""
+    return rattling(speeds={"of": "a", "list": ["2400 rpm", "2700 rpm", "3000 rpm"], "nonlinear": "periodic"})
+
+
+@pytest.fixture(scope="module")
+def rattle(rattler) -> PeriodicOrders:
+    return rattler.order_response("twist(gap)")
 
 
 def test_half_ranges_are_those_of_the_motions_that_are_met(rattle):
@@ -77,9 +81,8 @@ def test_half_orders_stand_among_the_lines(rattle):
     _close(np.ptp(wave[0]) / 2, rattle.half_range[0, 0], 5e-3)
 
 
-def test_orders_are_those_of_the_periodic_response(rattle):
-    rig = rattling()
-    found = rig.periodic_response("twist(gap)", speeds=rattle.speeds, speed_of="a", subharmonics=4)
+def test_orders_are_those_of_the_periodic_response(rattler, rattle):
+    found = rattler.periodic_response("twist(gap)", speeds=rattle.speeds, speed_of="a", subharmonics=4)
     for number, at in enumerate(rattle.speeds):
         sizes = [found.peak_to_peak(one) for one in found.stable_at(at)]
         assert rattle.peak_to_peak[number, 0] == max(sizes)
@@ -132,19 +135,17 @@ def test_values_that_follow_the_speed_are_refused():
         rig.order_response("twist(gap)", nonlinear="periodic")
 
 
-def test_model_says_how_laws_act_and_an_argument_overrules_it():
-    speeds = {"of": "a", "list": ["3000 rpm"], "nonlinear": "periodic"}
-    rig = rattling(speeds=speeds)
-    full, linear = rig.order_response("twist(gap)"), rig.order_response("twist(gap)", nonlinear="linear")
+def test_model_says_how_laws_act_and_an_argument_overrules_it(rattler, rattle):
+    full, linear = rattle, rattler.order_response("twist(gap)", nonlinear="linear")
     assert isinstance(full, PeriodicOrders)
-    _close(full.peak_to_peak[0, 0], 0.02633979 - 0.01267718)
+    _close(full.peak_to_peak[2, 0], 0.02633979 - 0.01267718)
     assert not isinstance(linear, PeriodicOrders)
     # in contact: 40/(.12 D) with the reduced inertia, k = 8000 and c = 3
     w, reduced = 3000 * RPM, 0.12 * 0.9 / 1.02
     wanted = 40 / 0.12 * reduced / abs(8000 - reduced * w**2 + 3j * w)
-    _close(float(linear.half_range[0, 0]), wanted, 1e-9)
+    _close(float(linear.half_range[2, 0]), wanted, 1e-9)
     assert any("linear" in note for note in linear.notes)
-    assert rig.configured().definition.to_data()["speeds"]["nonlinear"] == "periodic"
+    assert rattler.configured().definition.to_data()["speeds"]["nonlinear"] == "periodic"
 
 
 @pytest.mark.slow
@@ -206,10 +207,9 @@ def test_study_takes_the_motions_of_every_variant():
     assert abs(found[1] / found[0] - 1) > 1e-3
 
 
-def test_page_over_speed_draws_what_is_met_and_says_so():
-    speeds = {"of": "a", "list": ["2700 rpm", "3000 rpm"], "nonlinear": "periodic"}
-    shown = over_speed(rattling(speeds=speeds), "twist(gap)")
-    _close(2 * shown["half_range"][0], 0.02761135 - 0.00605751)
+def test_page_over_speed_draws_what_is_met_and_says_so(rattler):
+    shown = over_speed(rattler, "twist(gap)")
+    _close(2 * shown["half_range"][1], 0.02761135 - 0.00605751)
     assert any("the largest motion of each output that is stable" in note for note in shown["notes"])
 
 

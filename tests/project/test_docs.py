@@ -43,8 +43,10 @@ PAGES = [DOCS / f"{name}.md" for name in OWN] + sorted((DOCS / "how_to").glob("*
 PRINTED = ["characterise_a_flywheel", "fit_speed", "trust_a_fit"]
 """Pages whose blocks of text are what their programs print."""
 LONG = {
+    "booms_on_the_way_down",
     "compressor",
     "damper_design",
+    "dmf_over_mean_torque",
     "marine",
     "studies",
     "identify_parameters",
@@ -55,7 +57,15 @@ LONG = {
     "from_test_to_response",
 }
 """Pages whose programs have long records, reports or sweeps: they run where slow tests do, as do all commands and examples."""
-DEAR = {"campaign", "compressor", "identify_parameters", "marine", "trust_a_fit"}
+DEAR = {
+    "booms_on_the_way_down",
+    "campaign",
+    "compressor",
+    "dmf_over_mean_torque",
+    "identify_parameters",
+    "marine",
+    "trust_a_fit",
+}
 DEAR |= {"plot_damping_choice", "plot_fit_gears", "plot_study_damper", "plot_study_yield"}
 """Pages and examples of most of the seconds: they run at night, their commands on short files in tests of these."""
 DEAR_COMMANDS = {
@@ -416,9 +426,10 @@ def test_there_is_a_gallery():
     assert len(EXAMPLES) >= 6
 
 
-@pytest.mark.slow
+@pytest.mark.few(0, 6)
 @each(EXAMPLES)
 def test_example_draws(path, workplace, capsys):
+    """By day some: to build the pages runs all of them."""
     import matplotlib as mpl
     import matplotlib.pyplot as plt
     from matplotlib.figure import Figure

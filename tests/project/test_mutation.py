@@ -78,9 +78,9 @@ def test_the_function_around_a_fault():
 
 
 def test_sample_is_seeded_spread_and_valid():
-    first, again, other = (sample(["torsionnet/signals"], 50, seed) for seed in (1, 1, 2))
+    first, again, other = (sample(["torsionnet/machinery/limits"], 20, seed) for seed in (1, 1, 2))
     assert first == again != other
-    assert len({mutant.module for mutant in first}) > 25
+    assert len({mutant.module for mutant in first}) > 10
     for mutant in first:
         ast.parse(mutant.applied((ROOT / mutant.module).read_text(encoding="utf-8")))
 

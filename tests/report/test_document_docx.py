@@ -235,6 +235,9 @@ class TestFile:
         assert fields[1] == ["Hull", "4711", "Revision", "A"]
         assert fields[-1][1].startswith("dmf_rig.yaml, SHA-256 ")
         assert revisions[1] == ["A", DATE, "first issue", "", "", ""]
+        cells = [row._tr.tc_lst for row in opened(report).tables[0].rows]
+        assert len({sum(one.width for one in row) for row in cells}) == 1
+        assert [one.grid_span for one in cells[-1]] == [1, 3]
         assert lines[1:] == [["Prepared", "", "", ""], ["Checked", "", "", ""], ["Approved", "", "", ""]]
 
     def test_words_language_and_logo_of_a_template(self, tmp_path):

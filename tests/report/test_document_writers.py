@@ -124,6 +124,7 @@ class TestHtml:
 
     def test_is_small(self, amt):
         assert len(amt.encode()) < 1_500_000
+        assert "--size:1>" not in amt  # only small tables say their size
 
     @pytest.mark.slow
     def test_markup_in_texts_is_text(self):
@@ -434,7 +435,9 @@ def test_names_in_svg_are_unique_and_all_used():
 
     rig = tn.load("dmf_rig")
     figure = tn.plot.bode(rig.frequency_response("theta_1", "T_T", np.linspace(1, 20, 30)))
+    figure.set_dpi(130)
     first, second = inline_svg(figure, "a-"), inline_svg(figure, "b-")
+    assert figure.dpi == 130
     ids, used = (
         set(re.findall(r'\bid="([^"]+)"', first)),
         set(re.findall(r"#([\w-]+)", re.sub(r"#[0-9a-f]{6}", "", first))),

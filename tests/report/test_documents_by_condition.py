@@ -251,7 +251,11 @@ class TestTitles:
 @pytest.mark.parametrize(
     ("model", "unwanted"),
     [
-        ("reciprocating_compressor_train", ("cylinder out", "isfire", "control station", "the engine")),
+        pytest.param(
+            "reciprocating_compressor_train",
+            ("cylinder out", "isfire", "control station", "the engine"),
+            marks=pytest.mark.nightly,
+        ),
         ("engine_generator_set", ("control station", "tachometer red", "firing=", "rubber=")),
     ],
 )

@@ -271,9 +271,10 @@ class TestMdf:
         assert (len(found), found.times) == (4000, None)
         assert found.sampling_rate == pytest.approx(RATE, rel=1e-5)
 
-    def test_a_master_that_is_an_angle(self, written):
-        path = written(("T", torque(TIMES), 0.36 * np.arange(4000), "N*m", ""), master_metadata=("angle", 2))
-        assert re.search("angle in deg.*wrong-file", refusal(path))
+    @pytest.mark.parametrize(("kind", "word"), [(2, "an angle"), (3, "a distance"), (4, "an index")])
+    def test_a_master_that_is_no_time(self, written, kind, word):
+        path = written(("T", torque(TIMES), 0.36 * np.arange(4000), "N*m", ""), master_metadata=("master", kind))
+        assert re.search(f"{word} in .*wrong-file", refusal(path))
 
     def test_samples_marked_invalid_are_missing(self, written):
         invalid = (TIMES >= 1) & (TIMES < 1.4)

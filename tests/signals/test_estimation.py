@@ -512,6 +512,7 @@ class TestComparison:
         ("other", "message"),
         [
             ({"frequencies": (1.0, 2.0, 3.1)}, "unlike-results"),
+            ({"frequencies": (1.0, 2.0, 3.000001)}, "unlike-results"),
             ({"unit": "rad/s"}, "unlike-results"),
         ],
     )

@@ -91,6 +91,7 @@ def test_burst_of_the_whole_period_is_never_silent():
         (lambda: LinearChirp(start=-1, stop=5, duration=5), "out-of-range"),
         (lambda: LogarithmicSweep(start=0, stop=5, duration=5), "out-of-range"),
         (lambda: LogarithmicSweep(start=1, stop=5, duration=np.nan, amplitude=-2), "amplitude.*; duration"),
+        (lambda: LinearChirp(start=1, stop=5, duration=5, mean=np.nan), "out-of-range"),
         (lambda: SteppedSine(frequencies=(), hold=1), "at least one"),
         (lambda: Multisine(start=5, stop=2, period=4), "out-of-range"),
         (lambda: LoadCycles(frequencies=(1,), shape="square"), "out-of-range"),

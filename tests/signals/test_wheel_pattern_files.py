@@ -76,6 +76,10 @@ def test_an_angle_of_a_whole_turn_or_of_nothing_is_refused(angle):
     assert "must be" in said
 
 
+def test_vibration_repeats_after_one_turn_or_more():
+    assert "x>=1" in run("calibrate-wheel", "600.npz", *CALL, "--cycle", "0", code=2).stderr
+
+
 def test_the_command_writes_a_pattern_by_two_pickups(records):
     done = run(
         "calibrate-wheel", "600.npz", "900.npz", *CALL, "--second-pickup", "B", "--pickup-angle", "99deg", "--name", "flywheel",

@@ -263,7 +263,7 @@ class TestKilled:
         wait_for(lambda: not processes_of_session(program.pid))
 
     @pytest.mark.slow
-    @pytest.mark.parametrize("processes", [1, pytest.param(2, marks=pytest.mark.slow)])
+    @pytest.mark.parametrize("processes", [1, pytest.param(2, marks=pytest.mark.nightly)])
     def test_at_several_moments(self, few, tmp_path, processes):
         """What was written stays, and each run goes on from there."""
         answers_as_text(study_of_answers(FEW), tmp_path / "whole")

@@ -378,6 +378,7 @@ class TestKills:
             with pytest.raises(ClusterError, match=r"(?s)chunk 7.*failed-program"):
                 list(DaskExecutor(cluster, study_folder).map(DeadlyWork(study_folder), [7]))
 
+    @pytest.mark.nightly
     def test_client(self, tmp_path, study_folder):
         with scheduler(tmp_path) as (file, _), workers(file, 2):
             with client(file, study_folder, 150) as running:

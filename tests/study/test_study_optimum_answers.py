@@ -157,7 +157,9 @@ def test_numbers_of_designs_have_their_units():
     assert [one.unit for one in front.table().columns] == ["N*m/rad", "Hz", "Hz"]
     assert front.sentences[1].startswith("the best f_1 is ")
     assert front.sentences[1].count(" Hz") == 2
-    robust = answered({"type": "robust_optimum", "minimise": "f_1", "design": k, "samples": 32, **limits})
+    robust = answered(
+        {"type": "robust_optimum", "minimise": "f_1", "design": k, "samples": 32, "compared": 128, **limits}
+    )
     units = {row[0]: row[1] for row in robust.table().rows}
     assert units["mean of f_1"] == units["mean + 3 sigma of f_1"] == units["mean + 3 sigma of f_2"] == "Hz"
     assert units["share that keeps all limits"] == ""
@@ -174,6 +176,7 @@ def test_a_robust_stiffness():
         "measure": "percentile",
         "percentile": "97.5 %",
         "samples": 256,
+        "compared": 1024,
         "limits": {"f_1": {"above": "8 Hz"}},
     }
     found = answered(answer, vary={"k": TOLERANCE})
@@ -325,12 +328,24 @@ class TestDamperOverConditions:
         assert [row[0] for row in film.table().rows] == ["soft", "stiff"]
         assert json.loads(json.dumps(film.to_data()))["values"] == film.values
 
-    @pytest.mark.slow
-    def test_in_a_study(self, film):
+    def test_in_a_study(self, film, monkeypatch):
+        """It asks what was asked for the film above, whose search it hands on."""
+        asked = {}
+
+        def searched(_, output, design, conditions, **more):
+            asked.update(output=output, design=design, conditions=conditions, **more)
+            return film
+
+        monkeypatch.setattr("torsionnet.study.design.best_damper.damper_over_conditions", searched)
         rig = damped(configurations={"shaft": {"soft": {"K": K}, "stiff": {"K": STIFF * K}}}).configured(k_film=0.0)
         answer = {"type": "best_damper", "design": {"c": [20, 400]}, "output": "a", "input": "a", "band": "5..80 Hz"}
         found = answered(answer, rig, vary={"c": TOLERANCE}, quantities=PEAK, configurations="all")
-        assert found.values == film.values
+        assert found is film
+        assert callable(asked.pop("kept"))
+        assert asked == {
+            "output": "a", "input": "a", "design": {"c": (20.0, 400.0)}, "conditions": ("soft", "stiff"),
+            "band": (5.0, 80.0), "excitation": None,
+        }  # fmt: skip
 
     @pytest.mark.slow
     def test_what_varies_is_chosen_where_nothing_else_is_said(self):

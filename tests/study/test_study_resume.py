@@ -235,7 +235,7 @@ class TestLock:
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="asks the system for its processes")
 class TestKilled:
     @pytest.mark.slow
-    @pytest.mark.parametrize("processes", [1, 2])
+    @pytest.mark.parametrize("processes", [pytest.param(1, marks=pytest.mark.nightly), 2])
     def test_client(self, whole, tmp_path, processes):
         folder = tmp_path / "study"
         program = started(folder, processes)

@@ -319,6 +319,7 @@ PLOTS = {
     "spectrogram": lambda: (tn.signals.spectrogram(record(), "T"),),
     "stabilisation": lambda: (stabilisation(),),
     "star_diagrams": lambda: (stars(),),
+    "stepped_stiffness": lambda: (steps(np.array([5.0, 6.0]), np.array([0.1, 0.2 + 0.01j]), np.array([40.0, 60.0])),),
     "sweep_harmonics": lambda: (harmonics(),),
     "time_histories": lambda: (record(),),
     "torque_loops": lambda: (torque_loops(),),
