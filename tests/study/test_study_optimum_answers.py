@@ -145,7 +145,7 @@ def test_a_front_of_frequency_and_damping():
 @pytest.mark.slow
 def test_numbers_of_designs_have_their_units():
     k = {"k": [900, 1100]}
-    limits = {"limits": {"f_2": {"below": 9}}}
+    limits = {"limits": {"f_2": {"below": 12}}}
     found = answered({"type": "optimum", "minimise": "f_1", "design": k})
     assert found.table().rows[1][:2] == ("f_1", "Hz")
     assert found.sentences[0].endswith(" Hz (minimised)")
