@@ -52,7 +52,7 @@ def updates(browser, model, over_speed):
         times = []
         for step in range(1, STEPS + 1):
             before = found.updates
-            found.page.mouse.move(x - 2 * step, y)
+            found.page.mouse.move(x - 0.5 * step, y)
             found.until(lambda before=before: found.updates > before, "an update")
             times.append(found.page.evaluate("torsionnet.lastUpdate"))
         found.page.mouse.up()
