@@ -7,7 +7,8 @@ import { curveColour, DASHES } from "./theme.js";
 const LEAST = 44; // pixels for the name of a node
 const NAMES = 16; // pixels of the row of names of nodes below, and of that of modes above
 const EDGE = 6;
-const APART = 96; // pixels between names of modes
+const APART = 126; // pixels between names of modes
+const MARK = 24; // pixels of the line before a name
 
 export function makeShape(svg) {
   let nodes = new Map(); // node -> [x, y] in points
@@ -23,7 +24,7 @@ export function makeShape(svg) {
     lines = Object.values(elements).map((one) => one.nodes.filter((node) => nodes.has(node))).filter((ends) => ends.length === 2);
     svg.toggleAttribute("hidden", !modes.length);
     svg.setAttribute("aria-label", `Mode shapes: ${modes.map(named).join(", ")}`);
-    curves = modes.map((_, k) => form("path", { stroke: curveColour(k), "stroke-dasharray": DASHES[k % DASHES.length].join(" "), class: "curve" }));
+    curves = modes.map((_, k) => form("path", { ...inks(k), class: "curve" }));
     grid();
   }
 
@@ -45,8 +46,11 @@ export function makeShape(svg) {
       last = x + half;
       parts.push(word(name, x, high - 4, "name"));
     }
-    modes.forEach((mode, k) => parts.push(word(named(mode), EDGE + k * APART, 12, "mode", { fill: curveColour(k) })));
-    svg.replaceChildren(...parts.slice(0, parts.length - modes.length), ...curves, ...parts.slice(-modes.length));
+    const names = modes.flatMap((mode, k) => {
+      const left = EDGE + k * APART;
+      return [form("path", { ...inks(k), d: `M${left} 8h${MARK}` }), word(named(mode), left + MARK + EDGE, 12, "mode")];
+    });
+    svg.replaceChildren(...parts, ...curves, ...names);
     move(angle);
   }
 
@@ -71,6 +75,10 @@ export function makeShape(svg) {
       grid();
     },
   };
+}
+
+function inks(k) {
+  return { stroke: curveColour(k), "stroke-dasharray": DASHES[k % DASHES.length].join(" "), "stroke-width": 2 };
 }
 
 function named({ name, kind, frequency_hz: frequency }) {

@@ -8,6 +8,6 @@ export function shape(tag, attributes) {
   return node;
 }
 
-export function word(text, x, y, kind, more = {}) {
-  return Object.assign(shape("text", { x, y, class: kind, ...more }), { textContent: text });
+export function word(text, x, y, kind) {
+  return Object.assign(shape("text", { x, y, class: kind }), { textContent: text });
 }
