@@ -228,7 +228,7 @@ def test_nothing_sticks_out(chromium, fan, width):
 
 @pytest.mark.slow
 def test_every_control_has_a_name(opened):
-    groups = opened.page.get_by_role("group").all()
+    groups = opened.page.locator("fieldset").all()
     assert {"Over", "Angle", "Speed [r/min]"} <= {
         one.locator("legend").inner_text() for one in groups if one.is_visible()
     }

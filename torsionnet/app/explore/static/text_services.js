@@ -23,12 +23,14 @@ export async function complete(context) {
     const found = await ask("complete", { text, at: place }).catch(() => ({}));
     return found.superseded && !context.aborted ? offered(place) : (found.options ?? []);
   };
+  // What was typed meanwhile is a question of its own, which the editor asks only behind an answer.
+  const nothing = () => (context.view && context.view.state.doc !== state.doc ? { from: at, options: [] } : null);
   let options = await offered(at);
   if (context.aborted) return null;
   if (!options.length && begun) options = await offered(begun.from); // what may stand here, for the editor to choose from
-  if (!options.length || context.aborted) return null;
+  if (!options.length || context.aborted) return nothing();
   const [only] = options;
-  if (options.length === 1 && state.sliceDoc(only.from, only.to) === only.insert) return null; // it stands there already
+  if (options.length === 1 && state.sliceDoc(only.from, only.to) === only.insert) return nothing(); // it stands there already
   const from = Math.min(...options.map((one) => one.from));
   return { from, options: options.map((one, k) => option(one, from, at, k)), validFor: /^(?!\.?\d)[\w.]*$/ };
 }
