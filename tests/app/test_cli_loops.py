@@ -12,6 +12,7 @@ from support.loop_records import backlash_record, course, loop_record, stage_rec
 
 import torsionnet as tn
 from torsionnet.signals import Signal, write_recording
+from torsionnet.signals.torque_loops.loop_result import TorqueLoops
 
 
 def call(tmp_path, record, *more, code=0):
@@ -21,8 +22,11 @@ def call(tmp_path, record, *more, code=0):
 
 def test_the_component_of_a_record_is_a_model_that_loads(tmp_path):
     file = tmp_path / "flywheel.yaml"
-    found = json.loads(call(tmp_path, stage_record(1), "--write-model", file, "--json").stdout)
+    found = json.loads(
+        call(tmp_path, stage_record(1), "--write-model", file, "-o", tmp_path / "loops.json", "--json").stdout
+    )
     (loop,) = found["loops"]
+    assert TorqueLoops.from_json(tmp_path / "loops.json").loops[0].cycles == loop["cycles"] == 5
     rig = tn.load(file)
     text = file.read_text(encoding="utf-8")
     assert "95 %" in text

@@ -66,10 +66,12 @@ class TestLinearLaw:
         assert found.stiffness * found.loss_factor == pytest.approx(alone.stiffness * 0.5 + more, rel=1e-12)
 
     def test_without_an_arc_the_lumped_friction_is_as_before(self):
-        """M = mu C: 4 M a is .00 J at rest and 90.0 J of ±10 deg at 3000 rpm, where arc springs lose 23.5 and 51.7."""
+        """M = mu C: 4 M a is 0 J at rest, and of ±.5 and ±10 deg at 3000 rpm 4.50 and 90.0 J: arc springs lose .366 and
+        23.5 J at rest, .609 and 51.7 J then.
+        """
         given = {name: value for name, value in ARC.items() if name not in ("arc_angle", "torque")}
-        a = math.radians(10)
-        for speed, loss in (("3000 rpm", 90.04), (0, 0.0)):
+        for speed, swing, loss in (("3000 rpm", 10, 90.04), ("3000 rpm", 0.5, 4.502), (0, 10, 0.0)):
+            a = math.radians(swing)
             one = law(tn.DualMassFlywheel("dmf", nodes=("a", "b"), **MASSES | given | {"speed": speed, "swing": a}))
             assert one.stiffness == 700
             assert math.pi * 700 * one.loss_factor * a**2 == pytest.approx(loss, abs=0.01)

@@ -1,6 +1,7 @@
 """Section of a report on loops of a component bench: numbers, stages and remarks, in German as well."""
 
 import pytest
+from support.command_line import run
 from support.loop_records import stage_record
 
 import torsionnet as tn
@@ -21,7 +22,10 @@ def found():
 
 
 def test_numbers_stages_and_remarks_are_those_of_the_loops(found, tmp_path):
-    text = written(tmp_path, "en", loops=[found])
+    found.to_json(tmp_path / "loops.json")
+    path = tmp_path / "bench.md"
+    run("report", "dmf_component", "--loops", tmp_path / "loops.json", "--section", "loops", "-o", path)
+    text = path.read_text(encoding="utf-8")
     assert "Loops of the component bench" in text
     assert "loops_1.svg" in text
     (loop,) = found.loops

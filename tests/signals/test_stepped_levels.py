@@ -99,6 +99,18 @@ def test_signals_that_are_no_torque_and_twist_are_refused(signals, kind):
         given.stepped_stiffness("T", "gamma")
 
 
+def test_tops_that_friction_flattens_are_steps_all_the_same():
+    """Noise places their tops anywhere, and a ripple beside them turns back; they rise through their middle in time."""
+    t = np.arange(0, 12, 1 / RATE)
+    phase = 2 * np.pi * 2.0 * t
+    size = np.where(t < 6, 0.02, 0.2)
+    shape = np.clip(1.1 * np.sin(phase), -1, 1) + np.where(t < 6, 0, 0.08) * np.sin(7 * phase)
+    noise = np.random.default_rng(1).normal(0, 2e-5, len(t))
+    found = record(460 * size * shape, size * shape + noise).stepped_stiffness("T", "gamma")
+    assert found.frequencies == pytest.approx([2, 2], rel=1e-3)
+    assert found.real == pytest.approx([460, 460], rel=1e-3)
+
+
 def test_a_record_without_steps_and_an_unknown_element_are_refused():
     t = np.arange(0, 3, 1 / RATE)
     sweep = 0.1 * np.sin(2 * np.pi * (1 + 4 * t) * t)

@@ -172,6 +172,43 @@ def test_something_elastic_in_series_with_the_friction_is_named():
     assert any("elastic in series with the friction" in note for note in notes)
 
 
+def test_a_stiff_adapter_between_the_sensors_is_named():
+    k, stiff, M = 500.0, 6000.0, 6.0
+    twist = 0.2 * course(4.6, 2000)[0]
+    own, torque = 0.0, []
+    for one in twist:  # the component slips where adapter less spring exceed the friction
+        own = float(np.clip(own, (stiff * one - M) / (k + stiff), (stiff * one + M) / (k + stiff)))
+        torque.append(stiff * (one - own))
+    noise = np.random.default_rng(2).normal(0, 0.1, len(twist))
+    notes = loops(loop_record(np.array(torque) + noise, twist), "T", "gamma").notes
+    (told,) = [str(note) for note in notes if "in series between the sensors" in str(note)]
+    assert float(re.search(r"behind ([\d.e+]+) N m/rad", told)[1]) == pytest.approx(stiff, rel=0.25)
+    rigid = k * twist + M * course(4.6, 2000)[1] + noise
+    assert not [note for note in loops(loop_record(rigid, twist), "T", "gamma").notes if "series" in str(note)]
+
+
+def test_a_loop_of_a_sine_that_is_wider_in_its_middle_is_viscous():
+    twist, sense = course(4.6, 2000, sine=True)
+    omega = 2 * np.pi * 0.1
+    torque = 900 * 0.15 * twist + 3 * sense + 4 * omega * 0.15 * sense * np.sqrt(np.maximum(1 - twist**2, 0))
+    noise = np.random.default_rng(0).normal(0, 0.05, len(twist))
+    notes = [str(one) for one in loops(loop_record(torque + noise, 0.15 * twist, 200), "T", "gamma").notes]
+    (told,) = [one for one in notes if "wider in its middle" in one]
+    assert float(re.search(r"c = ([\d.]+)", told)[1]) == pytest.approx(4, rel=0.1)
+    assert not [one for one in notes if "in series" in one]
+
+
+def test_torque_that_relaxes_where_the_twist_is_held_is_creep():
+    past = np.linspace(0, 1, 400)
+    ends = np.ones(200)
+    twist = 0.1 * np.concatenate([np.r_[2 * past - 1, ends, 1 - 2 * past, -ends]] * 4 + [2 * past - 1])
+    fall = 3.0 * (1 - np.exp(-np.arange(200) / 40))
+    held = np.concatenate([np.r_[0 * past, -fall, 0 * past, fall]] * 4 + [0 * past])
+    sense = np.concatenate([np.r_[past * 0 + 1, ends, past * 0 - 1, -ends]] * 4 + [past * 0 + 1])
+    torque = 900 * twist + 5 * sense + held + np.random.default_rng(1).normal(0, 0.1, len(twist))
+    assert any("creep" in str(note) for note in loops(loop_record(torque, twist), "T", "gamma").notes)
+
+
 def test_loops_over_two_amplitudes_are_two():
     twist, sense = course(4, 800)
     sizes = np.repeat([0.08, 0.25], len(twist))

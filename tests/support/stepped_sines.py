@@ -58,3 +58,28 @@ def steps(frequencies: np.ndarray, twists: np.ndarray, torques: np.ndarray) -> S
     """Steps without means."""
     none = np.zeros(len(frequencies))
     return SteppedStiffness(frequencies, twists, torques.astype(complex), none, none, none)
+
+
+def integrated(levels: tuple[float, ...], frequencies: np.ndarray, samples: int = 250, periods: int = 50) -> np.ndarray:
+    """First harmonics of the twist with all harmonics of two stages and friction, from rest, by Runge and Kutta."""
+    torque, omega = np.repeat(levels, len(frequencies)), 2 * np.pi * np.tile(frequencies, len(levels))
+    k1, g1, k2, c, M = STAGES.values()
+    h, x, v = 2 * np.pi / omega / samples, np.zeros(len(torque)), np.zeros(len(torque))
+    found = np.zeros(len(torque), dtype=complex)
+
+    def bend(phase: float, x: np.ndarray, v: np.ndarray) -> np.ndarray:
+        size = np.abs(x)
+        spring = np.sign(x) * (k1 * np.minimum(size, g1) + k2 * np.maximum(size - g1, 0))
+        return (torque * np.cos(phase) - spring - c * v - M * np.tanh(v / 0.02)) / INERTIA
+
+    for step in range(samples * periods):
+        phase = 2 * np.pi * step / samples
+        if step >= samples * (periods - 1):
+            found += x * np.exp(-1j * phase) * 2 / samples
+        middle, after = phase + np.pi / samples, phase + 2 * np.pi / samples
+        a = bend(phase, x, v)
+        b = bend(middle, x + h / 2 * v, v + h / 2 * a)
+        d = bend(middle, x + h / 2 * (v + h / 2 * a), v + h / 2 * b)
+        e = bend(after, x + h * (v + h / 2 * b), v + h * d)
+        x, v = x + h * v + h * h / 6 * (a + b + d), v + h / 6 * (a + 2 * b + 2 * d + e)
+    return found

@@ -13,6 +13,7 @@ from torsionnet.base.errors import TorsionnetError
 from torsionnet.base.expressions import Expression, Number
 from torsionnet.identification.fit_problem import FitProblem, lay_out_problem
 from torsionnet.identification.fit_search import SEARCH_RANGE_FACTOR, LeastSquaresSolution
+from torsionnet.identification.residuals.equation_block import EquationBlock
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.residuals.stepped_block import SteppedBlock
@@ -100,8 +101,11 @@ def possible_causes(problem: FitProblem) -> tuple[Cause, ...]:
     asked = CHANNEL_CAUSES if has_phases else CHANNEL_CAUSES[:2]
     channel = [Cause(name, name) for name in asked if name not in free]
     rigs = [block.response.drivetrain for block in problem.blocks]
-    listed = [*_values(rigs[0]), *_ratios(rigs[0]), *_dampings(rigs[0])]
-    listed += (cause for block in problem.blocks if isinstance(block, SteppedBlock) for cause in _left_out(block))
+    over_time = any(isinstance(block, EquationBlock) for block in problem.blocks)  # where a loss factor has no torque
+    listed = [*_values(rigs[0]), *_ratios(rigs[0]), *([] if over_time else _dampings(rigs[0]))]
+    listed += (
+        one for block in problem.blocks if isinstance(block, SteppedBlock | EquationBlock) for one in _left_out(block)
+    )
     if any(block.line_orders is not None for block in problem.blocks):
         listed += [*_misfires(rigs[0]), *_amplitudes(rigs[0], has_phases=has_phases)]
     courses = [Cause(BETWEEN, BETWEEN, between=way) for way in WAYS if any(_runs_otherwise(way, problem))]
@@ -169,9 +173,9 @@ def _amplitudes(rig: AssembledModel, *, has_phases: bool) -> Iterator[Cause]:
                 yield Cause("value", number.name)
 
 
-def _left_out(block: SteppedBlock) -> Iterator[Cause]:
+def _left_out(block: SteppedBlock | EquationBlock) -> Iterator[Cause]:
     """Causes of a misfit at several amplitudes: values of the laws of motion, friction or a stage beside them."""
-    curve = block.curve_of_steps
+    curve = block.curve_of_steps if isinstance(block, SteppedBlock) else block.equation
     rig, name = curve.drivetrain, curve.elements[0]
     definition, ends = rig.definition, tuple(rig.definition.elements[name].ports.values())
     springs = [one.name for one in definition.active if one.kind == "spring" and tuple(one.ports.values()) == ends]
@@ -179,13 +183,12 @@ def _left_out(block: SteppedBlock) -> Iterator[Cause]:
     for one in curve.elements:
         for _, _, value, _ in definition.elements[one].expressions():
             yield from (Cause("value", leaf) for leaf in _leaves(value, definition.parameters))
-    torques, twists = np.abs(block.steps.torques), np.abs(block.steps.twists)
+    torque, twist, stiffness = block.typical
     if len(ends) == 2 and f"{name}_friction" not in definition.elements:
-        begin = FIRST_FRICTION * float(np.median(torques))
-        yield Cause("friction", f"{name}_friction.torque", part=name, begins=(begin,))
+        yield Cause("friction", f"{name}_friction.torque", part=name, begins=(FIRST_FRICTION * torque,))
     if len(ends) == 2 and f"{name}_stage" not in definition.elements:
         # Contact beyond a gap beside the spring is one more stage, from half of the gap on.
-        begins = FIRST_STAGE * curve.spring, 2 * float(np.median(twists))
+        begins = FIRST_STAGE * stiffness, 2 * twist
         yield Cause("stage", f"{name}_stage.stiffness", part=name, also=(f"{name}_stage.gap",), begins=begins)
 
 

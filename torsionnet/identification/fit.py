@@ -29,6 +29,8 @@ from torsionnet.identification.fit_search import (
 )
 from torsionnet.identification.lack_of_fit import LackOfFit, lack_of_fit_sentences, noise_bias
 from torsionnet.identification.profile import profile_interval
+from torsionnet.identification.residuals.equation_block import EquationBlock
+from torsionnet.identification.residuals.laws_over_time import HARMONICS
 from torsionnet.identification.residuals.stepped_block import SteppedBlock
 from torsionnet.identification.unknown_parameter import ParameterQuantity, parameter_quantity
 from torsionnet.identification.verdict_words import (
@@ -199,6 +201,8 @@ class Fit(FitResult):
 ABOUT_FITTED = "laws of motion are linear about the operating point that the drivetrain has with the fitted values"
 """Note of a fit of a drivetrain with laws of motion."""
 
+BY_HARMONICS = f"one harmonic does not fit the steps: {HARMONICS} harmonics of the twist are in the first one"
+
 
 def make_fit(
     model: Drivetrain, problem: FitProblem, found: LeastSquaresSolution, loss: str, lack: LackOfFit | None = None
@@ -288,6 +292,7 @@ def _compared(problem: FitProblem, number: int, values: FloatArray) -> Compared:
         has_phase=block.has_phase,
         orders=block.line_orders,
         speeds=block.line_speeds,
+        times=block.times if isinstance(block, EquationBlock) else None,
     )
 
 
@@ -297,10 +302,12 @@ def _notes(problem: FitProblem, loss: str, factor: float, *, scaled: bool) -> tu
     robust = "" if loss == "linear" else f", robust loss {loss}"
     first = f"from {', '.join(labels)}{robust}; reduced chi squared {factor:.3g}{by}"
     remarks = (*filter(None, (block.remark for block in problem.blocks)), *unnamed_configurations(problem))
-    tangents = [block for block in problem.blocks if not isinstance(block, SteppedBlock)]
+    tangents = [block for block in problem.blocks if not block.has_equations]
     has_laws = any(following_elements(block.response.drivetrain.definition) for block in tangents)
     read = (range_notes(block.response.drivetrain.assembly, np.abs(block.frequencies)) for block in tangents)
     beyond = dict.fromkeys(note for notes in read for note in notes)
+    whole = any(isinstance(block, SteppedBlock) and block.has_harmonics for block in problem.blocks)
+    remarks = (*remarks, *([BY_HARMONICS] if whole else []))
     return (first, *remarks, *([ABOUT_FITTED] if has_laws else []), *beyond)
 
 

@@ -30,6 +30,7 @@ from torsionnet.signals.welch import Welch
 SAME_ENTRIES = (
     "output", "input", "model_output", "model_input", "excitation", "band", "excluded", "delay", "gain", "reference",
     "settling", "error", "orders_used", "speeds", "speed_of", "reference_angle", "between",
+    "equations",
 )  # fmt: skip
 """Entries of a measurement in a fit file that a :class:`Measurement` takes under the same name."""
 OPTIONS = ("residual", "loss", "starts")
@@ -162,7 +163,8 @@ class _Reader:
             if data is None:
                 continue
             more = {key: getattr(given, key) for key in SAME_ENTRIES}
-            chosen = self._chosen(settings, data, given.band) if isinstance(data, Recording) else None
+            averaged = isinstance(data, Recording) and not given.equations
+            chosen = self._chosen(settings, data, given.band) if averaged else None
             try:
                 one = Measurement(data, name=name, settings=chosen, configuration=configuration, **more)
             except UsageError as error:

@@ -57,10 +57,13 @@ class Compared:
         Whether the test has a phase; without, its values are magnitudes.
     orders, speeds : (n,) array, optional
         Of a measurement of orders: the order of each line and the speed of the reference shaft, rad/s.
+    times : (n,) array, optional
+        Of equations of motion along a record: the middle of the time of each, s. Values are torques of the laws then.
     """
 
     SHOWN: ClassVar = (
-        "name", "unit", "frequencies", "misfit", "measured_parts", "fitted_parts", "orders", "speeds_rpm"
+        "name", "unit", "frequencies", "misfit", "measured_parts", "fitted_parts", "orders", "speeds_rpm",
+        "times",
     )  # fmt: skip
 
     name: str
@@ -73,6 +76,7 @@ class Compared:
     has_phase: bool = True
     orders: Annotated[FloatArray | None, Out(optional=True)] = None
     speeds: FloatArray | None = None
+    times: Annotated[FloatArray | None, Out(json="times_s", optional=True)] = None
 
     @property
     def measured_parts(self) -> Annotated[FloatArray, Out(json="measured", schema=NUMBER_ROWS)]:
@@ -206,13 +210,18 @@ class SavedCurves(Declared):
     deviation: tuple[float, ...] = entry(PlainNumbers("standard deviation of each line, SI"))
     orders: tuple[float, ...] = entry(PlainNumbers("of measured orders: order of each line"), ())
     speeds: tuple[float, ...] = entry(PlainNumbers("of measured orders: speed at each line, rad/s"), ())
+    times: tuple[float, ...] = entry(PlainNumbers("of equations of motion: time of each, s"), ())
 
     COLUMNS = ("measured_real", "measured_imag", "fitted_real", "fitted_imag", "deviation")
     OF_ORDERS = ("orders", "speeds")
 
     def contradictions(self) -> list[Fault]:
         n = len(self.frequencies)
-        columns = (*self.COLUMNS, *(self.OF_ORDERS if self.orders or self.speeds else ()))
+        columns = (
+            *self.COLUMNS,
+            *(self.OF_ORDERS if self.orders or self.speeds else ()),
+            *(["times"] if self.times else []),
+        )
         lengths = {name: len(getattr(self, name)) for name in columns}
         return [
             Fault(f"{name} has {count} numbers for {n} frequencies", (name,), kind="wrong-count")
@@ -290,6 +299,8 @@ def _saved_curves(one: Compared) -> SavedCurves:
     }
     if one.orders is not None and one.speeds is not None:
         columns |= {"orders": one.orders, "speeds": one.speeds}
+    if one.times is not None:
+        columns["times"] = one.times
     return SavedCurves(name=one.name, unit=one.unit, misfit=one.misfit, has_phase=one.has_phase, **columns)
 
 
@@ -355,6 +366,7 @@ def _compared(one: SavedCurves) -> Compared:
         one.has_phase,
         np.array(one.orders, dtype=float) if one.orders else None,
         np.array(one.speeds, dtype=float) if one.speeds else None,
+        np.array(one.times, dtype=float) if one.times else None,
     )
 
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from torsionnet.base.errors import SolveError
 from torsionnet.identification.fit_problem import FitProblem
+from torsionnet.identification.residuals.stepped_block import SteppedBlock
 from torsionnet.linear.assembly.rows import FloatArray
 
 CONVERGENCE_TOLERANCE = 1e-12
@@ -76,7 +77,7 @@ def start_by_equations(problem: FitProblem, start: FloatArray) -> FloatArray:
 
     Motions of a model far off lie on other branches than those of the test, or there are none; equations are smooth.
     """
-    if not problem.has_equations:
+    if not any(isinstance(block, SteppedBlock) for block in problem.blocks):
         return start
     lower, upper = search_bounds(problem)
     found, steps = np.clip(start, lower, upper), typical_steps(problem, problem.start)
@@ -96,7 +97,7 @@ def start_by_equations(problem: FitProblem, start: FloatArray) -> FloatArray:
 def _equations(problem: FitProblem, values: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Equations of motion missed by all measurements that have some, and their deviations by noise."""
     placed = zip(problem.blocks, problem.unknown_indices, strict=True)
-    each = [block.equations(values[place]) for block, place in placed if block.has_equations]
+    each = [block.equations(values[place]) for block, place in placed if isinstance(block, SteppedBlock)]
     return np.concatenate([one[0] for one in each]), np.concatenate([one[1] for one in each])
 
 

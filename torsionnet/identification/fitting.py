@@ -136,9 +136,9 @@ def data_remarks(problem: FitProblem) -> tuple[str, ...]:
     found = []
     for block in problem.blocks:
         one = block.measurement
-        if isinstance(block, SteppedBlock):
+        if isinstance(block, SteppedBlock) and not block.has_harmonics:
             found.append("one harmonic of the motion is compared: periodic_response tells whether the others count")
-        if isinstance(one.data, Recording):
+        if isinstance(one.data, Recording) and not one.equations:
             steps = resolution(one.data, one.output, one.input)
             if steps is not None and steps.enough_up_to < block.frequencies[-1]:
                 limit = f"{steps.enough_up_to:.3g} Hz"
@@ -157,6 +157,8 @@ SETTLED_CHANGE = 1e-3
 LINE_NOISE_ROUNDS, SETTLED_BY_LINES = 12, 1e-6
 """Times that a fit of responses estimates their noise again at most, and the relative change of all fitted values
 below which it does not: responses are quickly calculated, and their first weights are far from their noise."""
+HARMONIC_ROUNDS = 4
+"""Times that harmonics are calculated again, which depend little on the values."""
 MISSED_SHARE = 0.5
 """RMS of model minus test over RMS of the test above which lines are compared by their magnitudes, too."""
 IDLE_EFFECT = 1e-10
@@ -260,6 +262,9 @@ def best_optimum(problem: FitProblem, loss: str, starts: int = 1, seed: int = 0)
 def _judge_fit(model: Drivetrain, problem: FitProblem, best: LeastSquaresSolution, loss: Loss) -> Fit:
     """Result of a fit, weighed by measured noise and with explanations of the misfit if the model does not fit."""
     lack = LackOfFit(misfits(problem, best.x, loss_weights(problem.residuals(best.x), loss, best.scale)))
+    if lack.rejected and any(isinstance(block, SteppedBlock) for block in problem.blocks):
+        best = _with_harmonics(problem, best, loss)
+        lack = LackOfFit(misfits(problem, best.x, loss_weights(problem.residuals(best.x), loss, best.scale)))
     if not lack.rejected and problem.has_unknown_noise and relative_misfits(problem, best.x).max() > MISSED_SHARE:
         # A response that is missed altogether jumps at its peaks as noise would; its logarithm does not.
         problem.forget_noise()
@@ -284,6 +289,20 @@ def _judge_fit(model: Drivetrain, problem: FitProblem, best: LeastSquaresSolutio
 
     found = explanations(problem, best.x, solve, errors)
     return make_fit(model, problem, best, loss, replace(lack, explanations=found, data_warnings=data_remarks(problem)))
+
+
+def _with_harmonics(problem: FitProblem, best: LeastSquaresSolution, loss: str) -> LeastSquaresSolution:
+    """Optimum for steps of sines with all harmonics of the twist, which one harmonic by itself does not fit."""
+    for _ in range(HARMONIC_ROUNDS):
+        before = best.x
+        for block, place in zip(problem.blocks, problem.unknown_indices, strict=True):
+            if isinstance(block, SteppedBlock):
+                block.take_harmonics(before[place])
+        problem.clear_cache()
+        best = local_optimum(problem, before, loss)
+        if _moved(before, best.x) < SETTLED_CHANGE:
+            break
+    return best
 
 
 def _settled(

@@ -10,9 +10,11 @@ import numpy as np
 from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.fit_search import typical_steps
 from torsionnet.identification.lack_of_fit import noise_bias_sentence
+from torsionnet.identification.residuals.equation_block import EquationBlock
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.residuals.response_block import ResponseBlock
 from torsionnet.identification.residuals.stepped_block import SteppedBlock
+from torsionnet.identification.residuals.stepped_curve import names_of_laws, springs_of_sliders
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.signals.uncertainty import LEAST_BINS, half_power_bandwidth, significant_peaks
 
@@ -67,11 +69,12 @@ def not_seen(problem: FitProblem, values: FloatArray, errors: FloatArray, ended:
     effects = np.linalg.norm(problem.jacobian(values), axis=0) * np.abs(values)
     found: dict[str, str] = {}
     for block in problem.blocks:
-        if not isinstance(block, SteppedBlock):
+        if not isinstance(block, SteppedBlock | EquationBlock):
             continue
-        swings = np.abs(block.steps.twists)
-        sliding = block.curve_of_steps.springs_of_sliders(values[: len(block.response.names)])
-        for name in block.curve_of_steps.own_names:
+        curve = block.curve_of_steps if isinstance(block, SteppedBlock) else block.equation
+        swings, laws = block.swings, (curve.unknowns, curve.elements)
+        sliding = springs_of_sliders(*laws, values[: len(curve.names)])
+        for name in names_of_laws(*laws):
             place = problem.names.index(name) if name in problem.names else -1
             if place < 0 or name in found or name in ended:
                 continue

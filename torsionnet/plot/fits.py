@@ -95,6 +95,7 @@ MOST_MEASUREMENTS = 6
 """Largest number of measurements drawn side by side in the plot of a fit; with more, the panels would be too narrow to
 read."""
 HEIGHTS = (3.0, 2.2, 1.5)  # ratios of magnitude, phase and residuals
+OVER_TIME = (4.0, 0.01, 2.0)  # the same of equations of motion over time, without a phase
 
 
 def fit(result: Fit, *, conventions: Conventions = SI, title: str | None = None, ax: GivenAxes = None) -> Figure:
@@ -132,15 +133,17 @@ def fit(result: Fit, *, conventions: Conventions = SI, title: str | None = None,
         raise UsageError("the fit holds no measurement to plot", kind="missing-data")
     width = max(style.WIDTH, 2.6 * len(shown))
     # Outputs of orders differ in size and unit, responses of one sensor do not.
-    alike = len(shown) == 1 or all(compared.orders is None for compared in shown)
+    alike = len(shown) == 1 or all(compared.orders is None and compared.times is None for compared in shown)
     colours = order_colours(shown)
     shows = [f"{what} of {compared.name}" for what in ("magnitude", "phase", "residuals") for compared in shown]
     sheet, panels = style.grid_panels(
         width, 5.6, shows, ax, columns=len(shown), sharex="col", sharey="row" if alike else False,
-        gridspec_kw={"height_ratios": HEIGHTS},
+        gridspec_kw={"height_ratios": OVER_TIME if all(part.times is not None for part in shown) else HEIGHTS},
     )  # fmt: skip
     for column, compared in enumerate(shown):
-        if compared.orders is None:
+        if compared.times is not None:
+            _time_column([row[column] for row in panels], compared)
+        elif compared.orders is None:
             _column([row[column] for row in panels], compared, conventions)
         else:
             order_column([row[column] for row in panels], compared, conventions, colours)
@@ -148,6 +151,8 @@ def fit(result: Fit, *, conventions: Conventions = SI, title: str | None = None,
         for row, label in zip(panels, _labels(compared, conventions), strict=True):
             row[column].set_ylabel(label)
         size = panels[0][column]
+        if compared.times is not None:
+            continue
         if compared.orders is None:
             style.log_ticks(size.yaxis, *size.get_ylim())
         drawn = shown if alike else [compared]
@@ -217,6 +222,23 @@ def _column(panels: list[Axes], compared: Compared, conventions: Conventions) ->
         style.style_axes(panel)
 
 
+def _time_column(panels: list[Axes], compared: Compared) -> None:
+    """Draw torques of laws of motion by the test and by the fitted model over time, and what is left over."""
+    assert compared.times is not None
+    torque, idle, left = panels
+    idle.set_visible(False)
+    points: dict[str, Any] = {"color": style.PALETTE[1], "marker": "o", "markersize": 2.5, "linestyle": "none"}
+    torque.plot(compared.times, compared.measured.real, label="test", **points)
+    torque.plot(compared.times, compared.fitted.real, color=style.PALETTE[0], linewidth=1.2, label="model")
+    left.axhspan(-2, 2, color=style.FAINT, alpha=0.6, linewidth=0)
+    rest = (compared.measured - compared.fitted).real / compared.deviation
+    left.plot(compared.times, rest, color=style.PALETTE[2], marker=".", linewidth=0.8, label="residual")
+    torque.set_title(compared.name, fontsize=style.FONT)
+    left.set_xlabel("time [s]")
+    for panel in panels:
+        style.style_axes(panel)
+
+
 def _shown_phases(compared: Compared) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     """Phases in degrees that the panel of a measurement shows; those of orders are not unwrapped."""
     values = compared.measured if compared.has_phase else compared.fitted
@@ -238,6 +260,8 @@ def _phase(values: np.ndarray[tuple[int], np.dtype[np.complex128]]) -> np.ndarra
 
 def _labels(compared: Compared, conventions: Conventions) -> tuple[str, str, str]:
     unit = typeset_unit(compared.unit.replace("rad", conventions.angle)) if compared.unit != "1" else "-"
+    if compared.times is not None:
+        return f"torque of the laws [{unit}]", "", "(test - model)\nover noise [-]"
     if compared.orders is not None:
         return f"peak amplitude [{unit}]", "phase [deg]", "(test - model)\nover noise [-]"
     return f"magnitude [{unit}]", "phase [deg]", "(test - model)\nover noise [-]"

@@ -6,6 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
+from numbers import Real
 from typing import Any, ClassVar
 
 import numpy as np
@@ -23,6 +24,11 @@ FloatArray = NDArray[np.float64]
 
 POINTS_PER_CYCLE = 2.0
 """Number of samples per cycle of the highest frequency that a sampling rate must exceed, by the sampling theorem."""
+
+
+def _are_numbers(values: object) -> bool:
+    found = np.asarray(values)
+    return found.ndim == 1 and (found.dtype.kind in "iuf" or not len(found))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,7 +56,17 @@ class Excitation(ABC, Declared):
             if name != "mean" and isinstance(value := getattr(self, name), int | float)
             if not (np.isfinite(value) and (value > 0 or (value == 0 and name in self._may_be_zero)))
         ]
-        if not np.isfinite(self.mean):
+        faults += [
+            f"{one.name} must be several numbers, as (1.0,), got {getattr(self, one.name)!r}"
+            for one in fields(self)
+            if str(one.type).startswith("tuple[float") and not _are_numbers(getattr(self, one.name))
+        ]
+        faults += [
+            f"{one.name} must be a number, got {getattr(self, one.name)!r}"
+            for one in fields(self)
+            if str(one.type) in ("float", "int") and not isinstance(getattr(self, one.name), Real)
+        ]
+        if isinstance(self.mean, Real) and not np.isfinite(self.mean):
             faults.append(f"mean must be a number, got {self.mean!r}")
         faults += self._contradictions() if not faults else []
         if faults:

@@ -442,10 +442,8 @@ class Recording(NotebookResult):
 
         for name, quantity in ((output, "torque"), (input, "angle")):
             if self[name].quantity != quantity:
-                raise UsageError(
-                    f"{name} is a {self[name].quantity}; a stiffness is made of a torque over an angle of twist",
-                    kind="unfit-channel",
-                )
+                text = "the output of a stiffness is a torque, its input an angle of twist"
+                raise UsageError(f"{text}, and {name} is of the quantity {self[name].quantity}", kind="unfit-channel")
         values = (self[output].values, self[input].values)
         return stepped_stiffness(*values, self.sampling_rate, self.title, self.notes)
 

@@ -32,6 +32,10 @@ SAME_SWING, SAME_PERIOD = 0.05, 0.1
 """Shares by which swings and periods of cycles of one step may differ; extremes tell a period roughly."""
 NOISE_SWINGS = 8.0
 """Swings below this multiple of the noise between samples are none."""
+SWEPT = 0.2
+"""Phase in rad at either end by which the frequency of a step may change from that of its middle."""
+RIPPLE, NEAR = 0.3, 4
+"""Swing over those near by, up to so many before and behind, below which it is a ripple on them."""
 NOT_A_SINE = 0.2
 """Share of a twist beside its first harmonic from which a group of cycles is none of one frequency, as of a sweep."""
 REFINEMENTS = 6
@@ -225,8 +229,8 @@ def stepped_stiffness(
 
 def _steps(angle: FloatArray, sampling_rate: float) -> list[tuple[int, int, float]]:
     """First and last sample, and frequency in Hz, of each group of cycles that are alike."""
-    tops = [place for place, is_top in _reversals(angle) if is_top]
-    cycles = [(a, b, float(np.ptp(angle[a:b]))) for a, b in pairwise(tops) if b > a + 4]
+    rises = _rises(angle)
+    cycles = [(a, b, float(np.ptp(angle[a:b]))) for a, b in pairwise(rises) if b > a + 4]
     groups: list[list[tuple[int, int, float]]] = []
     for cycle in cycles:
         if groups and cycle[0] == groups[-1][-1][1] and _alike(cycle, groups[-1]):
@@ -236,8 +240,9 @@ def _steps(angle: FloatArray, sampling_rate: float) -> list[tuple[int, int, floa
     steps = []
     for group in groups:
         if len(group) >= FEWEST_CYCLES:
-            first, end = group[1][0], group[-1][1]
-            steps.append((first, end, (len(group) - 1) * sampling_rate / (end - first)))
+            # From top to top, where the twist stands still: a part of a sample more or less does not count there.
+            first, end = (a + int(np.argmax(angle[a:b])) for a, b, _ in (group[0], group[-1]))
+            steps.append((first, end, (len(group) - 1) * sampling_rate / (group[-1][0] - group[0][0])))
     return steps
 
 
@@ -248,6 +253,23 @@ def _alike(cycle: tuple[int, int, float], group: Sequence[tuple[int, int, float]
     return abs(cycle[2] / swing - 1) <= SAME_SWING and abs((cycle[1] - cycle[0]) / period - 1) <= SAME_PERIOD + 2 / (
         b - a
     )
+
+
+def _rises(angle: FloatArray) -> list[int]:
+    """Samples at which the angle rises through the middle of its swing; ripples on a swing are none themselves."""
+    turns = np.array([place for place, _ in _reversals(angle)], dtype=np.intp)
+    while len(turns) > 3:
+        swings = np.abs(np.diff(angle[turns]))
+        # A ripple is far smaller than a swing near by on either side; of several the smallest goes first.
+        around = np.lib.stride_tricks.sliding_window_view(np.pad(swings, NEAR), NEAR).max(axis=1)
+        bound = RIPPLE * np.minimum(around[: len(swings)], around[NEAR + 1 :])[1:-1]
+        small = np.flatnonzero((swings[1:-1] < bound) & (swings[1:-1] < swings[:-2]) & (swings[1:-1] <= swings[2:])) + 1
+        if not len(small):
+            break
+        turns = np.delete(turns, np.concatenate([small, small + 1]))
+    pairs = ((a, b) for a, b in pairwise(turns.tolist()) if angle[b] > angle[a])
+    # Friction flattens the tops, which noise then places anywhere; in the middle of the swing the twist is fast.
+    return [a + int(np.argmax(angle[a : b + 1] > (angle[a] + angle[b]) / 2)) for a, b in pairs]
 
 
 def _reversals(angle: FloatArray) -> list[tuple[int, bool]]:
@@ -291,6 +313,11 @@ def _harmonics(
         frequency += change
         if abs(change) < 1e-12 * frequency:
             break
+    # A frequency that goes on changes the phase by q t^2.
+    bent = np.column_stack([moved, moved[:, 4] * middle])
+    sweep = float(np.linalg.lstsq(bent, angle, rcond=None)[0][5]) * middle[-1] ** 2
+    if abs(sweep) > SWEPT:
+        return None
     phase = 2 * np.pi * frequency * middle
     # Whole periods, so that mean and harmonics do not mix.
     periods = max(1, int(len(time) * frequency / rate + 1e-9))

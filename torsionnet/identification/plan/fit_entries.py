@@ -92,7 +92,7 @@ class FitMeasurement(Declared):
     form: ClassVar[str] = "{record: FILE, output: ..., input: ...}"
     SOURCES: ClassVar[tuple[str, ...]] = ("record", "response", "orders", "stepped")
     NOT_OF_ORDERS: ClassVar[tuple[str, ...]] = (
-        "input", "model_input", "excitation", "reference", "settling", "pulses", "between", "reading",
+        "input", "model_input", "excitation", "reference", "settling", "pulses", "between", "equations", "reading",
     )  # fmt: skip
     ONLY_OF_ORDERS: ClassVar[tuple[str, ...]] = ("orders_used", "speeds", "speed_of", "reference_angle")
 
@@ -140,12 +140,16 @@ class FitMeasurement(Declared):
             ("held", "straight", "band_limited")),
         None,
     )  # fmt: skip
+    equations: bool = entry(
+        Flag("compare the equation of motion over short times, with laws of motion in full: loops, decays, rattling"),
+        False,
+    )
     reading: FileReading | None = entry(READING, None)
 
     @classmethod
     def key_faults(cls, raw: Mapping[Any, Any], name: str = "") -> list[Fault]:
         """Faults of missing or unknown keys; records and responses need an input, which orders have not."""
-        lacks = [] if "input" in raw or "orders" in raw else [cls.missing("input", name)]
+        lacks = [] if raw.keys() & {"input", "orders", "equations"} else [cls.missing("input", name)]
         return [*super().key_faults(raw, name), *lacks]
 
     def contradictions(self) -> list[Fault]:

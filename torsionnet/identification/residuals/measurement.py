@@ -80,6 +80,10 @@ class Measurement:
     between : {"held", "straight", "band_limited"}, optional
         Course of the input between its samples, in place of what the data say; where another torque drives, as the
         motor's ahead of a torque meter, the course of that one.
+    equations : bool, optional
+        Whether laws of motion act in full along a record: their equation of motion is compared, over short times, as
+        for loops of torque over twist, decays (which have no ``input``) and rattling. The output is the twist of their
+        element, beside which one mass moves, or none.
     reference_angle : bool, optional
         Whether the angle is found along by which the test's reference comes after the zero of the model's angle of
         rotation, rad.
@@ -106,6 +110,7 @@ class Measurement:
     speed_of: str = ""
     reference_angle: bool = False
     between: str | None = None
+    equations: bool = False
 
     def __post_init__(self) -> None:
         if not isinstance(self.data, Recording | FrequencyResponse | SteppedStiffness):
@@ -115,8 +120,10 @@ class Measurement:
                 f"{', '.join(wrong)} {'belong' if len(wrong) > 1 else 'belongs'} to measured orders",
                 kind="needless-entry",
             )
-        elif not (self.output and self.input):
+        elif not (self.output and (self.input or self.equations)):
             raise UsageError("name the output and the input of a record or response", kind="missing-entry")
+        if self.equations:
+            self._check_equations()
         if self.between:
             check_between(self.between)
             if isinstance(self.data, SteppedStiffness):
@@ -142,6 +149,14 @@ class Measurement:
                 "out for a record, whose noise is taken from the data",
                 kind="needless-entry",
             )
+
+    def _check_equations(self) -> None:
+        if not isinstance(self.data, Recording):
+            raise UsageError("equations of motion are those of a record over time", kind="needless-entry")
+        needless = ("band", "excluded", "settings", "reference", "between")
+        if wrong := [name for name in needless if getattr(self, name)]:
+            text = f"equations of motion are compared over time, without {', '.join(wrong)}; leave it out"
+            raise UsageError(text, kind="needless-entry")
 
     def _take_orders(self, data: TrackedOrders | Sequence[MeasuredOrder]) -> None:
         """Check what is said about orders, and bring them and their output to the stored form."""
@@ -180,7 +195,9 @@ class Measurement:
     @property
     def channels(self) -> str:
         """Text with output and input of the measurement, or orders and output: ``theta_1/T_T``, ``orders of T_cpl``."""
-        return f"orders of {self.output}" if self.has_orders else f"{self.output}/{self.input}"
+        if self.has_orders:
+            return f"orders of {self.output}"
+        return f"{self.output}/{self.input}" if self.input else self.output
 
     @property
     def label(self) -> str:

@@ -64,7 +64,7 @@ class MeasurementBlock(ABC):
     """
 
     has_equations: ClassVar[bool] = False
-    """Whether equations of motion lead a search to where the motions of the model can be compared."""
+    """Whether equations of motion with laws in full lead a search to where motions can be compared, or are compared."""
 
     measurement: Measurement
     response: ParametricCurve
@@ -228,10 +228,6 @@ class MeasurementBlock(ABC):
         plain = parametric_response(rig, output, into, old.frequencies, names, driven_by=measurement.excitation)
         found.response = between_samples(plain, found.course, found.corrected_course)
         return found
-
-    def equations(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Equations of motion missed at the motion measured, and their deviations by noise."""
-        raise NotImplementedError
 
     @property
     def stated_course(self) -> BetweenSamples | None:

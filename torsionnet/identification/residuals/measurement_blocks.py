@@ -13,6 +13,7 @@ from torsionnet.base.errors import UsageError
 from torsionnet.identification.orders.order_block import order_block
 from torsionnet.identification.orders.parametric_orders import parameters_of_drivetrain
 from torsionnet.identification.plan.fit_entries import FitSettings
+from torsionnet.identification.residuals.equation_block import equation_block
 from torsionnet.identification.residuals.measurement import Instrument, Measurement, choose_instrument
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.residuals.record_block import RecordBlock
@@ -120,6 +121,8 @@ def make_block(
         Names that model or data lack, unlike units, no line in the band, or a record that takes too much memory.
     """
     data = measurement.data
+    if isinstance(data, Recording) and measurement.equations:
+        return equation_block(rig, measurement, data, parameters)
     if isinstance(data, Recording):
         return _of_record(rig, measurement, data, parameters_of_drivetrain(rig, parameters), form)
     if isinstance(data, FrequencyResponse):

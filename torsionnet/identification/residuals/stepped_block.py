@@ -45,6 +45,16 @@ class SteppedBlock(ResponseBlock):
         return self.response
 
     @property
+    def swings(self) -> FloatArray:
+        """Amplitudes in rad of the twist at the steps."""
+        return np.abs(self.steps.twists)
+
+    @property
+    def typical(self) -> tuple[float, float, float]:
+        """Torque in N m, twist in rad and stiffness in N m/rad that are typical of the test."""
+        return float(np.median(np.abs(self.steps.torques))), float(np.median(self.swings)), self.curve_of_steps.spring
+
+    @property
     def runs(self) -> tuple[slice, ...]:
         """Slices of the steps of each level, along which frequency or amplitude goes one way."""
         levels, f = np.abs(self.steps.torques), self.frequencies
@@ -77,13 +87,23 @@ class SteppedBlock(ResponseBlock):
         return Noise(np.concatenate([one.ratio for one in known]), sum(one.certainty for one in known))
 
     def equations(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Equations of motion missed at the motion measured, and their deviations by noise."""
         missed, moves = self.curve_of_steps.unbalanced(values[: len(self.response.names)])
         return parts(missed), np.tile(moves * np.sqrt(self.noise), 2)
+
+    def take_harmonics(self, values: FloatArray) -> None:
+        """Compare the first harmonic as all harmonics make it at values of the unknowns, no longer by itself."""
+        self.response = self.curve_of_steps.with_harmonics(values[: len(self.response.names)])
+
+    @property
+    def has_harmonics(self) -> bool:
+        """Whether harmonics of the twist are in the first one of the model."""
+        return bool(np.any(self.curve_of_steps.beyond))
 
     def with_model(self, rig: AssembledModel, measurement: Measurement, parameters: tuple[str, ...]) -> SteppedBlock:
         found = copy(self)
         found.measurement = measurement
-        found.response = _curve(rig, measurement, self.steps, parameters)
+        found.response = replace(_curve(rig, measurement, self.steps, parameters), beyond=self.curve_of_steps.beyond)
         return found
 
 

@@ -20,6 +20,7 @@ import numpy as np
 
 from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.base.expressions import FLOAT, ExpressionError
+from torsionnet.identification.residuals.laws_over_time import HARMONICS, stiffness_by_harmonics
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.dynamic_stiffness.transfer_request import named_output
@@ -82,6 +83,10 @@ class SteppedCurve:
     spring : float
         k_0 in N m/rad.
     unit : str
+    at_harmonics : ParametricResponse or None
+        The same as ``linear`` at harmonics of the steps, from the second on, one after the other.
+    beyond : (n,) complex array, or 0
+        What harmonics of the twist change of the complex stiffness, N m/rad.
     """
 
     drivetrain: AssembledModel
@@ -95,6 +100,8 @@ class SteppedCurve:
     measured: ComplexArray
     spring: float
     unit: str
+    at_harmonics: ParametricResponse | None = None
+    beyond: ComplexArray | float = 0.0
     _known: dict[tuple[float, ...], tuple[tuple[Element, tuple[WholePart, ...], Row], ...]] = field(
         default_factory=dict, init=False, repr=False
     )
@@ -107,25 +114,6 @@ class SteppedCurve:
     def start(self) -> FloatArray:
         """Values (n,) of the unknowns in the model as given, in SI units."""
         return np.array(self.unknowns.start)
-
-    @cached_property
-    def own_names(self) -> tuple[str, ...]:
-        """Names of the unknowns that the laws of motion have, of those of the model."""
-        given = [one for name in self.elements for one in self.unknowns.definition.elements[name].expressions()]
-        used = {name for _, _, expression, _ in given for name in expression.names}
-        pairs = zip(self.names, self.unknowns.parameters, strict=True)
-        return tuple(name for name, parameter in pairs if parameter in used)
-
-    def springs_of_sliders(self, values: FloatArray) -> dict[str, float]:
-        """Twist in rad at which a slider begins to slip, by the name of the unknown that its spring is."""
-        found: dict[str, float] = {}
-        for element, parts, _ in self._laws(tuple(map(float, values))):
-            spring = getattr(element, "stiffness", None)
-            if element.kind == "friction" and spring is not None:
-                stiffness, torque = slider_of(element, parts)
-                pairs = zip(self.names, self.unknowns.parameters, strict=True)
-                found |= {name: torque / stiffness for name, parameter in pairs if parameter in spring.names}
-        return found
 
     @cached_property
     def omega(self) -> FloatArray:
@@ -188,18 +176,29 @@ class SteppedCurve:
         moves = np.sqrt(np.abs(A) ** 2 + np.abs(B) ** 2) * self.torques / np.abs(beside.output_by_torque)
         return np.asarray((K - self.spring) * gamma - tau), np.asarray(moves)
 
+    def with_harmonics(self, values: Sequence[float] | FloatArray) -> SteppedCurve:
+        """Curve that takes along what harmonics change at values of the unknowns; itself where they are not known."""
+        if self.at_harmonics is None:
+            return self
+        numbers = [float(one) for one in values]
+        weights = np.array([float(one) for one in self.row.values()])
+        by_torque = self.at_harmonics.at(numbers).values[:, 1, 1:] @ weights
+        laws, sizes = self._laws(tuple(numbers)), (np.abs(self.twists(numbers)), self.mean_twists, self.omega)
+        receptances = by_torque.reshape(-1, len(self.torques)).T
+        return replace(self, beyond=stiffness_by_harmonics(laws, *sizes, self.spring, receptances))
+
     def static_twists(self, outputs: FloatArray, torques: FloatArray) -> FloatArray:
         """Twists (n,) in rad of the element at mean outputs and torques, at the start values of what is linear."""
         beside = self._beside(self.start.tolist())
         tau = (beside.of_output * torques - outputs) / beside.output_by_torque
         return np.asarray((beside.of_twist * torques - beside.by_torque * tau).real)
 
-    def _measured_twist(self, beside: _Beside) -> tuple[ComplexArray, ComplexArray]:
+    def _measured_twist(self, beside: Beside) -> tuple[ComplexArray, ComplexArray]:
         """Twist of the element, and torque beside the spring k_0, that the measured output asks for, each (n,)."""
         tau = (beside.of_output - self.measured) * self.torques / beside.output_by_torque
         return np.asarray(beside.of_twist * self.torques - beside.by_torque * tau), np.asarray(tau)
 
-    def _twists(self, numbers: Sequence[float], beside: _Beside) -> ComplexArray:
+    def _twists(self, numbers: Sequence[float], beside: Beside) -> ComplexArray:
         gamma, _ = self._measured_twist(beside)
         damping = np.full(len(gamma), FIRST_DAMPING)
         missed = self._missed(numbers, beside, gamma)
@@ -215,12 +214,12 @@ class SteppedCurve:
                 break
         return np.asarray(gamma)
 
-    def _missed(self, numbers: Sequence[float], beside: _Beside, gamma: ComplexArray) -> ComplexArray:
+    def _missed(self, numbers: Sequence[float], beside: Beside, gamma: ComplexArray) -> ComplexArray:
         tau = (self._stiffness(numbers, np.abs(gamma)) - self.spring) * gamma
         return np.asarray(gamma - beside.of_twist * self.torques + beside.by_torque * tau)
 
     def _newton(
-        self, beside: _Beside, K: ComplexArray, rises: ComplexArray, gamma: ComplexArray
+        self, beside: Beside, K: ComplexArray, rises: ComplexArray, gamma: ComplexArray
     ) -> tuple[ComplexArray, ComplexArray]:
         """A and B of the change A d + B conj(d) of what is missed with a change d of the twist.
 
@@ -236,7 +235,8 @@ class SteppedCurve:
         """Complex stiffness K (n,) of the laws of the element at the steps."""
         try:
             at = (amplitudes, self.mean_twists, self.omega)
-            return np.asarray(sum(stiffness_over_twists(*one, *at) for one in self._laws(tuple(numbers))))
+            found = sum(stiffness_over_twists(*one, *at) for one in self._laws(tuple(numbers)))
+            return np.asarray(found + self.beyond)
         except (ZeroDivisionError, OverflowError, ExpressionError) as error:
             raise SolveError(f"the laws of {', '.join(self.elements)}: {error}", kind="no-solution") from None
 
@@ -247,7 +247,7 @@ class SteppedCurve:
                 self._known.clear()
             given = {name: float(one) for name, one in self.unknowns.values(numbers).items()}
             value, elements = Values(given, FLOAT), self.unknowns.definition.elements
-            self._known[numbers] = tuple(_laws(elements[name], value) for name in self.elements)
+            self._known[numbers] = tuple(laws_of(elements[name], value) for name in self.elements)
         return self._known[numbers]
 
     def _rise(self, numbers: Sequence[float], amplitudes: FloatArray) -> ComplexArray:
@@ -266,36 +266,18 @@ class SteppedCurve:
             ends.append(self._stiffness(moved, amplitudes))
         return np.asarray((ends[0] - ends[1]) / (2 * step))
 
-    def _beside(self, numbers: Sequence[float]) -> _Beside:
+    def _beside(self, numbers: Sequence[float]) -> Beside:
         """Receptances of the linear part, with derivatives."""
         if self.linear is None:
             # The twist alone: T = K gamma is gamma - T/k_0 + (K - k_0) gamma/k_0 = 0, and the output is the twist.
             constant = np.full(len(self.torques), 1 / self.spring + 0j)
             none = np.zeros((len(self.torques), len(numbers)))
-            return _Beside(constant, constant, constant, constant, (none,) * 4)
-        found = self.linear.at(numbers)
-        weights = np.array([float(one) for one in self.row.values()])
-        driven, slopes = found.values[:, :, 0], found.jacobian[:, :, 0]
-        between, between_slopes = (
-            found.values[:, :, 1:] @ weights,
-            np.einsum("foip,i->fop", found.jacobian[:, :, 1:], weights),
-        )
-        if driven.shape[1] == 3:
-            # The torque measured is T = a_T u - b_T tau: u = (T + b_T tau)/a_T, put into the other rows.
-            per_torque, change = 1 / driven[:, 2:], slopes[:, 2:]
-            ratio = driven[:, :2] * per_torque
-            ratio_slopes = (slopes[:, :2] - ratio[:, :, None] * change) * per_torque[:, :, None]
-            moved = (
-                between_slopes[:, :2] - ratio_slopes * between[:, 2:, None] - ratio[:, :, None] * between_slopes[:, 2:]
-            )
-            between, between_slopes = between[:, :2] - ratio * between[:, 2:], moved
-            driven, slopes = ratio, ratio_slopes
-        parts = (driven[:, 1], between[:, 1], driven[:, 0], between[:, 0])
-        return _Beside(*parts, (slopes[:, 1], between_slopes[:, 1], slopes[:, 0], between_slopes[:, 0]))
+            return Beside(constant, constant, constant, constant, (none,) * 4)
+        return beside_of(self.linear, self.row, numbers)
 
 
 @dataclass(frozen=True, eq=False)
-class _Beside:
+class Beside:
     """Receptances (n,) in rad/(N m), a_g, b_g, a_y and b_y of the text of the module, and their derivatives."""
 
     of_twist: ComplexArray
@@ -308,6 +290,27 @@ class _Beside:
         """Derivative (n,) of one of them with an unknown."""
         number = ("of_twist", "by_torque", "of_output", "output_by_torque").index(name)
         return np.asarray(self.slopes[number][:, place])
+
+
+def beside_of(linear: ParametricResponse, row: Row, numbers: Sequence[float]) -> Beside:
+    """Receptances of what is linear, under the torque that drives or the one that is measured, with derivatives."""
+    found = linear.at(numbers)
+    weights = np.array([float(one) for one in row.values()])
+    driven, slopes = found.values[:, :, 0], found.jacobian[:, :, 0]
+    between, between_slopes = (
+        found.values[:, :, 1:] @ weights,
+        np.einsum("foip,i->fop", found.jacobian[:, :, 1:], weights),
+    )
+    if driven.shape[1] == 3:
+        # The torque measured is T = a_T u - b_T tau: u = (T + b_T tau)/a_T, put into the other rows.
+        per_torque, change = 1 / driven[:, 2:], slopes[:, 2:]
+        ratio = driven[:, :2] * per_torque
+        ratio_slopes = (slopes[:, :2] - ratio[:, :, None] * change) * per_torque[:, :, None]
+        moved = between_slopes[:, :2] - ratio_slopes * between[:, 2:, None] - ratio[:, :, None] * between_slopes[:, 2:]
+        between, between_slopes = between[:, :2] - ratio * between[:, 2:], moved
+        driven, slopes = ratio, ratio_slopes
+    parts = (driven[:, 1], between[:, 1], driven[:, 0], between[:, 0])
+    return Beside(*parts, (slopes[:, 1], between_slopes[:, 1], slopes[:, 0], between_slopes[:, 0]))
 
 
 def _inverse(A: ComplexArray, B: ComplexArray, right: ComplexArray) -> ComplexArray:
@@ -340,12 +343,12 @@ def stepped_curve(
         The model has no law of motion, laws on several twists, or names that it lacks.
     """
     varied = unknowns(rig, parameters)
-    elements, row = _on_one_twist(rig)
+    elements, row = on_one_twist(rig)
     frequencies, torques, means, mean_torques, measured = steps
     at_start = Values(dict(rig.exact_values), FLOAT)
     sizes = (np.abs(measured) * torques, means, 2 * np.pi * frequencies)
     typical = sum(
-        np.abs(stiffness_over_twists(*_laws(rig.definition.elements[name], at_start), *sizes)) for name in elements
+        np.abs(stiffness_over_twists(*laws_of(rig.definition.elements[name], at_start), *sizes)) for name in elements
     )
     spring = float(np.median(typical)) or 1.0
     drive, sensor = rig.sensors.get(output), rig.sensors.get(into)
@@ -357,31 +360,45 @@ def stepped_curve(
             )
             raise UsageError(text, kind="unfit-channel")
         return SteppedCurve(rig, varied, (sensor.of,), None, row, *common, "rad/(N*m)")
-    # In the definition with a parameter for every unknown: replacing an entry later would put the laws back.
-    plain, replaced = varied.definition, {}
-    for place, name in enumerate(elements):
-        beside = LinearBeside(plain.elements[name], 0.0 if place else spring)
-        replaced[name] = plain.elements[name].unchecked(other_laws=beside, referred_to=None)
-    linear_rig = rig.with_definition(replace(plain, elements={**plain.elements, **replaced}, tangents=None))
-    nodes = zip(linear_rig.assembly.kinematics.nodes, linear_rig.assembly.node_rows.maps, strict=True)
-    held_still = {GROUND, *(node for node, moves in nodes if not moves)}
-    free = tuple(node for node in row if node not in held_still)
+    linear_rig, held = linear_beside(varied, rig, elements, row, spring)
     if (measured_in := named_output(linear_rig, output).unit) != "rad":
         text = f"steps have a twist or an angle in rad over a torque, and {output} is in {measured_in}"
         raise UsageError(f"{text}; name a sensor of an angle or a twist", kind="unfit-channel")
     if excitation and sensor is None:
         text = f"{into} drives itself, so that the excitation {excitation} has no effect; leave it out"
         raise UsageError(text, kind="needless-entry")
-    outputs: list[str | Sensor] = [output, Sensor("twist", elements[0])]
-    driving = into
-    if sensor is not None:
-        outputs, driving = [*outputs, into], _driving(rig, excitation)
-    linear = parametric_response(linear_rig, outputs, [driving, *free], frequencies, varied.parameters)
-    held = {node: row[node] for node in free}
-    found = SteppedCurve(rig, varied, elements, linear, held, *common, "rad/(N*m)")
-    slow = [SLOW * float(frequencies.min())]
-    still = replace(found, linear=parametric_response(linear_rig, outputs, [driving, *free], slow, varied.parameters))
-    return replace(found, mean_twists=still.static_twists(means, mean_torques))
+    outputs, driving = channels_beside(rig, output, into, excitation, elements[0])
+
+    def linear(at: FloatArray) -> ParametricResponse:
+        return parametric_response(linear_rig, outputs, [driving, *held], at, varied.parameters)
+
+    found = SteppedCurve(rig, varied, elements, linear(frequencies), held, *common, "rad/(N*m)")
+    still = replace(found, linear=linear(np.array([SLOW * frequencies.min()])))
+    harmonics = linear(np.outer(np.arange(2, HARMONICS + 1), frequencies).ravel())
+    return replace(found, mean_twists=still.static_twists(means, mean_torques), at_harmonics=harmonics)
+
+
+def linear_beside(
+    varied: Unknowns, rig: AssembledModel, elements: Sequence[str], row: Row, spring: float
+) -> tuple[AssembledModel, Row]:
+    """Model with a spring in N m/rad in the place of elements with laws of motion, and their twist over free nodes."""
+    # In the definition with a parameter for every unknown: replacing an entry later would put the laws back.
+    plain, replaced = varied.definition, {}
+    for place, name in enumerate(elements):
+        beside = LinearBeside(plain.elements[name], 0.0 if place else spring)
+        replaced[name] = plain.elements[name].unchecked(other_laws=beside, referred_to=None)
+    found = rig.with_definition(replace(plain, elements={**plain.elements, **replaced}, tangents=None))
+    nodes = zip(found.assembly.kinematics.nodes, found.assembly.node_rows.maps, strict=True)
+    held_still = {GROUND, *(node for node, moves in nodes if not moves)}
+    return found, {node: row[node] for node in row if node not in held_still}
+
+
+def channels_beside(
+    rig: AssembledModel, output: str, into: str, excitation: str | None, element: str
+) -> tuple[list[str | Sensor], str]:
+    """Output, twist of an element and torque where one is measured; and what drives."""
+    outputs: list[str | Sensor] = [output, Sensor("twist", element)]
+    return ([*outputs, into], _driving(rig, excitation)) if into in rig.sensors else (outputs, into)
 
 
 def _driving(rig: AssembledModel, excitation: str | None) -> str:
@@ -391,7 +408,7 @@ def _driving(rig: AssembledModel, excitation: str | None) -> str:
     raise UsageError(text, kind="wrong-count")
 
 
-def _on_one_twist(rig: AssembledModel) -> tuple[tuple[str, ...], Row]:
+def on_one_twist(rig: AssembledModel) -> tuple[tuple[str, ...], Row]:
     """Names of the elements with laws of motion, and the row of node angles that is the twist of them all."""
     value = Values(dict(rig.exact_values), FLOAT)
     active = rig.definition.switched_on
@@ -410,7 +427,28 @@ def _on_one_twist(rig: AssembledModel) -> tuple[tuple[str, ...], Row]:
     return tuple(one.name for one in moving), rows[0]
 
 
-def _laws(element: Element, value: Values) -> tuple[Element, tuple[WholePart, ...], Row]:
+def names_of_laws(varied: Unknowns, elements: Sequence[str]) -> tuple[str, ...]:
+    """Names of the unknowns that elements with laws of motion have."""
+    given = [one for name in elements for one in varied.definition.elements[name].expressions()]
+    used = {name for _, _, expression, _ in given for name in expression.names}
+    return tuple(name for name, parameter in zip(varied.names, varied.parameters, strict=True) if parameter in used)
+
+
+def springs_of_sliders(varied: Unknowns, elements: Sequence[str], values: FloatArray) -> dict[str, float]:
+    """Twist in rad at which a slider begins to slip, by the name of the unknown that its spring is."""
+    found: dict[str, float] = {}
+    value = Values({name: float(one) for name, one in varied.values(values.tolist()).items()}, FLOAT)
+    for element, parts, _ in (laws_of(varied.definition.elements[name], value) for name in elements):
+        spring = getattr(element, "stiffness", None)
+        if element.kind == "friction" and spring is not None:
+            stiffness, torque = slider_of(element, parts)
+            pairs = zip(varied.names, varied.parameters, strict=True)
+            found |= {name: torque / stiffness for name, parameter in pairs if parameter in spring.names}
+    return found
+
+
+def laws_of(element: Element, value: Values) -> tuple[Element, tuple[WholePart, ...], Row]:
+    """Element with its parts, laws of motion in full, and the row of its twist."""
     return element, element.whole_parts(value), element.twist(value)
 
 

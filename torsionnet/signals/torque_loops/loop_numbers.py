@@ -40,6 +40,13 @@ REPEATED = 0.99
 """Confidence with which the change of slope of a stage repeats from cycle to cycle, where at least three tell."""
 TIES = 1e-9
 """Noise of a signal that shows none, as a share of its range."""
+BEHIND = 0.04
+"""Share of the swing behind a reversal in which the torque is looked at as it crosses to the other branch."""
+HELD, LONG_HELD = 0.005, 0.1
+"""Shares of the swing from the highest twist within which it is held, and of a cycle for which it is held at least: a
+sine stays there for a twentieth."""
+ONE_FRICTION = 0.25
+"""Spread of the friction torques of pieces over the largest below which they may be one."""
 GRID = 201
 """Number of twists of the common grid of both branches."""
 CONFIDENCE = 0.95
@@ -150,9 +157,10 @@ def line_numbers(lines: JoinedLines, samples: LoopSamples, flat: int | None) -> 
             found[f"{name} friction"] = float(friction[piece])
             if number > 1 or flat is not None:  # behind free play the first one as well
                 found[f"{name} begins"] = abs(float(ends[piece] if side == "drive" else ends[piece + 1]))
-    # Over the whole loop each piece counts by its samples and by how well they tell the torque there.
-    counts = np.bincount(lines.piece(samples.twist), minlength=last)
-    weights = counts / (samples.torque_noise**2 + (lines.slopes * samples.twist_noise) ** 2)
+    # Over the whole loop each piece counts by its samples; of one friction also by how well they tell the torque there.
+    weights = np.bincount(lines.piece(samples.twist), minlength=last).astype(float)
+    if np.ptp(friction) < ONE_FRICTION * np.abs(friction).max():
+        weights /= samples.torque_noise**2 + (lines.slopes * samples.twist_noise) ** 2
     found["friction"] = float(friction @ weights / weights.sum())
     return _with_both(found)
 
@@ -306,8 +314,44 @@ def loop_of(
         upper=upper,
         lower=lower,
         spring_line=np.asarray(np.mean([one.torque(grid) for one in lines], axis=0)),
+        crossing=_crossing(record, cycles, lines),
+        relaxation=_relaxation(record, cycles),
         bends=bends,
     )
+
+
+def _crossing(record: LoopRecord, cycles: Sequence[Cycle], each: Sequence[JoinedLines]) -> LoopValue:
+    """Twist behind a reversal in which the torque crosses from a branch to the other, by the area between them.
+
+    A torque that jumps crosses within the distance of two samples, which is taken off.
+    """
+    found = []
+    for one, lines in zip(cycles, each, strict=True):
+        lengths = []
+        for at, sense, tip in ((one.first, 1.0, one.low), (one.top, -1.0, one.high)):
+            smooth = sense * (record.twist[at : at + (one.last - one.first) // 4] - tip)
+            near = np.arange(at, at + max(2, int(np.argmax(smooth > BEHIND * one.swing))))
+            twist, torque = record.twist[near], record.torque[near]
+            friction = lines.friction[lines.piece(twist)]
+            past = np.maximum(sense * (twist - tip), 0.0)
+            left = sense * (lines.torque(twist) - torque) + friction  # 2 M at the reversal, 0 behind it
+            step = float(np.diff(past).mean())
+            lengths.append(float(np.trapezoid(left, past)) / max(float(friction[0]), record.torque_noise) - step)
+        found.append(np.mean(lengths))
+    return mean_value(np.array(found), 0.0)
+
+
+def _relaxation(record: LoopRecord, cycles: Sequence[Cycle]) -> LoopValue | None:
+    """Torque lost while the twist is held at its highest, N m; None where it is not held."""
+    found = []
+    for one in cycles:
+        near = np.flatnonzero(np.abs(record.twist[one.first : one.last] - one.high) < HELD * one.swing)
+        if len(near) < LONG_HELD * (one.last - one.first):
+            return None
+        torque = record.torque[one.first + near]
+        fifth = max(1, len(near) // 5)
+        found.append(torque[fifth : 2 * fifth].mean() - torque[-fifth:].mean())
+    return mean_value(np.array(found), 0.0)
 
 
 def _stages(value: Mapping[str, LoopValue]) -> tuple[LoopStage, ...]:

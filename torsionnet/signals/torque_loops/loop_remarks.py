@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -24,6 +25,10 @@ FASTER = 1.2
 """Smallest ratio of the frequencies of two loops that tell apart what depends on speed."""
 BUILD_UP = 0.05
 """Share of the swing behind a reversal within which the friction torque has to be there."""
+VISCOUS = 0.05
+"""Part of the friction torque that follows the rate of a sine from which it is told."""
+CROSSING = 0.002
+"""Twist over the amplitude within which the torque may cross over without a word."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +66,12 @@ def loop_remarks(
             "the spring line bends all along: stages are straight pieces laid through it, not stages of springs; "
             "secant, loss and first harmonic hold"
         )
-    half = loop.loss.half_width
+    relaxed, half = loop.relaxation, loop.loss.half_width
+    if relaxed is not None and abs(relaxed.value) > max(
+        relaxed.half_width or math.inf, TOLD * abs(loop.friction.value)
+    ):
+        text = "where the twist is held at its reversals the torque falls by {fall:.2g} N m: creep; run at two speeds"
+        found.append(phrase(text, fall=relaxed.value))
     if half is not None and loop.loss.value <= half:
         found.append(
             warning(
@@ -81,18 +91,48 @@ def series_remarks(loops: Sequence[TorqueLoop]) -> list[NoteOrText]:
 
     Something elastic stands in series with the friction.
     """
-    shares = [share for one in loops if (share := friction_build_up(one)) > BUILD_UP]
-    return [
-        warning(
-            phrase(
-                "behind a reversal the torque needs {share:.2g} % of the swing to cross over: something elastic in "
-                "series with the friction, as a slider or an adapter between the sensors; measure the twist at the "
-                "component itself, or fit a slider",
-                share=100 * share,
+    found: list[NoteOrText] = []
+    for one in loops:
+        share, crossing, wide = friction_build_up(one), one.crossing, _width_by_rate(one)
+        half = crossing.half_width or 0.0
+        if share > BUILD_UP:
+            found.append(
+                warning(
+                    phrase(
+                        "behind a reversal the torque needs {share:.2g} % of the swing to cross over: something "
+                        "elastic in series with the friction, as a slider or an adapter between the sensors; measure "
+                        "the twist at the component itself, or fit a slider",
+                        share=100 * share,
+                    )
+                )
             )
-        )
-        for share in shares
-    ]
+        elif wide > VISCOUS * one.friction.value:
+            text = (
+                "the loop is wider in its middle, as by friction that grows with speed: over a sine c = {damping:.2g} "
+                "N m s/rad; run at two speeds"
+            )
+            found.append(phrase(text, damping=wide / (2 * np.pi * one.frequency * one.amplitude.value)))
+        elif (
+            crossing.half_width is not None and not one.bends and crossing.value > half + CROSSING * one.amplitude.value
+        ):
+            # The branches are 2 M apart, which what is in series crosses while the component stands still.
+            text = (
+                "behind a reversal the torque needs {crossing:.2g} deg to cross over, as behind {stiffness:.2g} "
+                "N m/rad in series between the sensors, which make the component {share:.2g} % too soft; or the torque "
+                "comes late: run at two speeds"
+            )
+            stiffness = 2 * one.friction.value / crossing.value
+            softer = 100 * one.storage_stiffness.value / stiffness
+            degrees = np.degrees(crossing.value)
+            found.append(warning(phrase(text, crossing=degrees, stiffness=stiffness, share=softer)))
+    return found
+
+
+def _width_by_rate(loop: TorqueLoop) -> float:
+    """Part in N m of half the distance of the branches that follows the rate of a sine, c omega a sqrt(1 - x^2)."""
+    x = (loop.twist - loop.mean_twist) / loop.amplitude.value
+    columns = np.stack([np.ones_like(x), np.sqrt(np.maximum(1 - x**2, 0.0))], axis=1)
+    return float(np.linalg.lstsq(columns, (loop.upper - loop.lower) / 2, rcond=None)[0][1])
 
 
 def _motion(loop: TorqueLoop, applied: Applied, *, sine: bool) -> list[NoteOrText]:

@@ -112,6 +112,10 @@ class TorqueLoop:
         Mean branches and fitted line over a common grid of twists: rad, N m.
     bends : bool
         Whether the spring line bends all along, so that straight stages only stand for it.
+    crossing : LoopValue
+        Twist behind a reversal in which the torque crosses from a branch to the other, rad.
+    relaxation : LoopValue or None
+        Torque lost while the twist is held at its highest, N m; None where it is not held.
     """
 
     cycles: int
@@ -136,6 +140,8 @@ class TorqueLoop:
     lower: Annotated[FloatArray, Out(json="lower_Nm", schema=NUMBERS)]
     spring_line: Annotated[FloatArray, Out(json="spring_line_Nm", schema=NUMBERS)]
     bends: bool = False
+    crossing: Annotated[LoopValue, Out(json="crossing_rad")] = LoopValue(0.0)
+    relaxation: Annotated[LoopValue | None, Out(json="relaxation_Nm")] = None
 
     def side(self, name: str) -> tuple[LoopStage, ...]:
         """Stages of a side of a loop: drive, coast, or both for the mean of the two; empty where there is none."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from torsionnet.app.cli.command import TABLE, Answer
-from torsionnet.app.cli.options import ANGLE, EntryOption, OutputFile, option
+from torsionnet.app.cli.options import ANGLE, EntryOption, OutputFile, file_option, option
 from torsionnet.app.cli.record_options import RecordCommand, RecordSpan
 
 if TYPE_CHECKING:
@@ -52,6 +52,7 @@ class LoopsCommand(RecordCommand):
         help="Step of the twist, a part of the intervals.  [default: that which the record shows]",
     )
     angle: str = ANGLE
+    output_file: str | None = file_option("Write the result, for report --loops; ends in .json.", (".json",))
     model_file: str | None = option(
         "--write-model", type=OutputFile(ENDINGS), help="Write the component as a model file, with intervals."
     )
@@ -67,7 +68,10 @@ class LoopsCommand(RecordCommand):
             screen=lambda: [found.table(shown)],
             data=lambda: found,
             csv=lambda: [("", found.table(shown))],
-            files=[(self.model_file, lambda file: write_loop_element(found, file))],
+            files=[
+                (self.output_file, found.to_json),
+                (self.model_file, lambda file: write_loop_element(found, file)),
+            ],
             figures=lambda _: [("", found.figure(conventions=shown))],
         )
 

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from torsionnet.identification import Fit
     from torsionnet.linear.frequency_response import FrequencyResponse
     from torsionnet.report.report_request import Measured
+    from torsionnet.signals.torque_loops.loop_result import TorqueLoops
     from torsionnet.study.study_result import StudyResult
 
     Band = tuple[float, float] | None
@@ -91,6 +92,7 @@ class ReportCommand(ModelCommand):
         metavar="[CONFIGURATION=]FILE",
         help="Test over model: record of signals, or a measured response. Repeatable.",
     )
+    loops: tuple[str, ...] = option("--loops", metavar="LOOPS.json", help="Result of torsionnet loops -o. Repeatable.")
     measured: tuple[str, ...] = option(
         "--measured",
         metavar="[CONFIGURATION[:SENSOR]=]FILE",
@@ -158,6 +160,7 @@ class ReportCommand(ModelCommand):
             fits=fits,
             studies=studies,
             measured=self.measured,
+            loops=[_loops(name) for name in self.loops],
             angle=self.angle,
             language=self.language,
             simplify=self.simplify,
@@ -175,6 +178,12 @@ def _fit(name: str) -> Fit:
     from torsionnet.identification import load_fit  # loads scipy.optimize
 
     return load_fit(name)
+
+
+def _loops(name: str) -> TorqueLoops:
+    from torsionnet.signals.torque_loops.loop_result import TorqueLoops
+
+    return TorqueLoops.from_json(name)
 
 
 def _studies(names: tuple[str, ...], rig: Drivetrain, show: ShowProgress) -> list[StudyResult]:

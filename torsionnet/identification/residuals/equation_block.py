@@ -1,0 +1,378 @@
+"""Weighted residuals of the equation of motion along a record over time: loops, decays, rattling.
+
+A prediction of the whole record slips in phase, and runs away in contacts. The equation holds for the motion that was
+measured: it is multiplied by bumps phi that vanish at both ends and summed over time, where derivatives of the motion
+become those of phi,
+
+    sum phi tau(gamma, gamma') + (k phi - c phi' + J phi'') gamma - g phi u = 0,
+
+so that noise is not differentiated, and neither states nor phases are to be found.
+"""
+
+from __future__ import annotations
+
+from copy import copy
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
+from typing import ClassVar
+
+import numpy as np
+import scipy
+
+from torsionnet.base.errors import UsageError
+from torsionnet.identification.orders.parametric_orders import parameters_of_drivetrain
+from torsionnet.identification.residuals.measurement import Measurement
+from torsionnet.identification.residuals.measurement_block import MeasurementBlock
+from torsionnet.identification.residuals.motion_equation import PLACES, LinearRest, MotionEquation, motion_equation
+from torsionnet.identification.residuals.noise import Noise
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.signals.recording import Recording
+
+MOST_ROWS = 800
+"""Most equations of a record."""
+OVERLAP = 4
+"""Bumps that begin within the length of one, where a mass moves."""
+POWER = 6
+"""Of the bump (1 - x^2)^6, whose second derivatives are still smooth at its ends, so that sums stand for integrals."""
+LENGTH, SHORTEST = 1.6, 9
+"""Length of a bump with derivatives, in half periods, and fewest samples of it."""
+WIDTHS = (5, 9, 15, 25, 41, 65, 101, 161, 257)
+"""Samples of the cubics by which the twist is smoothed, of which none takes away more than noise."""
+PARTS, AS_NOISE = 8, 1.1
+"""Parts of a record, in each of which smoothing takes away no more than this multiple of the noise."""
+CLEAR_OF_NOISE = 4.0
+"""Rate over its noise below which the twist may be at rest."""
+RESTING, MOST_RESTING = 0.05, 0.15
+"""Rate over the largest near by below which the twist rests, and the share of a bump at rest from which it is left
+out: friction at rest has any torque up to its own."""
+OTHER = 0.05
+"""Variance that sampling and smoothing leave in each equation by itself, over that by noise."""
+DIFFERENCE = 1e-5
+"""Relative step of the unknowns by which residuals are differenced."""
+
+
+def noise_of_fourth_differences(values: FloatArray) -> float:
+    """Standard deviation of the white noise of a smooth signal."""
+    # Noise of variance s^2 makes fourth differences of variance (1 + 16 + 36 + 16 + 1) s^2.
+    bend = np.diff(values, 4)
+    return float(np.sqrt(np.mean(np.clip(bend, *np.quantile(bend, (0.01, 0.99))) ** 2) / 70))
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Twist and torque of a record, with what smoothing leaves of the twist, in SI units.
+
+    Attributes
+    ----------
+    twist, smooth, rate, bend, torque : (n,) arrays
+        rad, rad, rad/s, rad/s^2, N m.
+    step : float
+        s.
+    noise : tuple of float
+        Standard deviations of the twist in rad and of the torque in N m from sample to sample.
+    ripple : float
+        Rate in rad/s that noise makes where nothing moves.
+    width : int
+        Samples of the cubics by which the twist was smoothed.
+    half_period : int
+        Samples from a reversal to the next, as a mean.
+    """
+
+    twist: FloatArray
+    smooth: FloatArray
+    rate: FloatArray
+    bend: FloatArray
+    torque: FloatArray
+    step: float
+    noise: tuple[float, float]
+    ripple: float
+    width: int
+    half_period: int
+
+    @classmethod
+    def of(cls, twist: FloatArray, torque: FloatArray, step: float) -> Motion:
+        noise = noise_of_fourth_differences(twist)
+        width = _width(twist, noise)
+        smooth, rate, bend = (scipy.signal.savgol_filter(twist, width, 3, deriv=n, delta=step) for n in range(3))
+        # Slope of a cubic over m samples: variance 75 s^2/(m^3 h^2) in its middle. Slower, the twist may rest.
+        ripple = CLEAR_OF_NOISE * float(np.sqrt(75 / width**3)) * noise / step
+        turns = int(np.count_nonzero(np.diff(np.sign(rate[np.abs(rate) > ripple]))))
+        moving = int(np.count_nonzero(np.abs(rate) > ripple))
+        spread = noise_of_fourth_differences(torque) if torque.any() else 0.0
+        return cls(twist, smooth, rate, bend, torque, step, (noise, spread), ripple, width, moving // (turns + 1))
+
+
+def _width(twist: FloatArray, noise: float) -> int:
+    """Samples of the cubics by which a twist is smoothed: in no part of it they leave more than its noise."""
+    found = WIDTHS[0]
+    for narrower, wider in pairwise(WIDTHS):
+        left = (twist - scipy.signal.savgol_filter(twist, wider, 3)) if wider < len(twist) // PARTS else None
+        if left is None or max(float(np.std(one)) for one in np.array_split(left, PARTS)) > AS_NOISE * noise:
+            break
+        found = narrower  # with an error by bending a tenth of that of the wider one
+    return found
+
+
+@dataclass(eq=False)
+class EquationBlock(MeasurementBlock):
+    """Residuals of the equation of motion of an element with laws of motion under bumps along a record.
+
+    Attributes
+    ----------
+    motion : Motion
+    places : (n_b,) int array
+        First sample of each bump.
+    bumps : (4, m) array
+        phi for the laws, which adds up to 1; for what stands beside them phi and its derivatives over time.
+    """
+
+    has_equations: ClassVar[bool] = True
+
+    motion: Motion = field(kw_only=True)
+    places: FloatArray = field(kw_only=True)
+    bumps: FloatArray = field(kw_only=True)
+    covariance: FloatArray = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.covariance = self._noise(self.response.start)
+
+    @property
+    def equation(self) -> MotionEquation:
+        """Equation of motion of the model."""
+        assert isinstance(self.response, MotionEquation)
+        return self.response
+
+    @property
+    def parts(self) -> int:
+        return 1
+
+    @property
+    def swings(self) -> FloatArray:
+        """Twists in rad, without sign, at which the motion turns back."""
+        turns = np.flatnonzero(np.diff(np.sign(self.motion.rate)))
+        return np.abs(self.motion.smooth[np.r_[turns, np.argmax(np.abs(self.motion.smooth))]])
+
+    @property
+    def typical(self) -> tuple[float, float, float]:
+        """Torque in N m, twist in rad and stiffness in N m/rad that are typical of the record."""
+        torque, twist = float(np.abs(self.measured).max()) / 2, float(np.ptp(self.motion.twist)) / 4
+        return torque, twist, torque / twist
+
+    @property
+    def times(self) -> FloatArray:
+        """Times (n_b,) in s of the middles of the bumps."""
+        return np.asarray((self.places + self.bumps.shape[1] / 2) * self.motion.step)
+
+    @property
+    def frequencies(self) -> FloatArray:
+        """Frequency in Hz typical of the motion, for each equation, (n_b,)."""
+        return np.full(len(self.places), 0.5 / (self.motion.half_period * self.motion.step))
+
+    @property
+    def description(self) -> str:
+        return f"{len(self.places)} equations of motion along {len(self.motion.twist) * self.motion.step:.3g} s"
+
+    @cached_property
+    def measured(self) -> ComplexArray:
+        """Torque of the laws by what was measured, at the start values, N m, (n_b,)."""
+        return np.asarray(-self._beside(self.response.start, {}), dtype=complex)
+
+    def predicted(self, values: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        missed, slopes = self._missed(values), np.empty((len(self.places), len(values)))
+        for place, one in enumerate(values):
+            step = DIFFERENCE * (abs(one) or 1.0)
+            if self._names[place] == "delay":
+                step = 0.1 * self.motion.step
+            ends = [self._missed(np.r_[values[:place], one + move, values[place + 1 :]]) for move in (step, -step)]
+            slopes[:, place] = (ends[0] - ends[1]) / (2 * step)
+        return self.measured + missed, slopes.astype(complex)
+
+    @property
+    def _followed(self) -> FloatArray:
+        """Twist (n,) in rad that the laws follow."""
+        # Beside a mass, bumps take the noise out. On flanks it would flatten the law that torques are compared with.
+        return self.motion.twist if self.bumps[3].any() else self.motion.smooth
+
+    @property
+    def _names(self) -> tuple[str, ...]:
+        return (*self.response.names, *self.extra)
+
+    def _channel(self, values: FloatArray) -> dict[str, float]:
+        return dict(zip(self.extra, values[len(self.response.names) :].tolist(), strict=True))
+
+    def _missed(self, values: FloatArray) -> FloatArray:
+        """Torque (n_b,) in N m by which the equation is missed."""
+        numbers, one, extra = values[: len(self.response.names)].tolist(), self.motion, self._channel(values)
+        late, p = extra.get("delay", 0.0), extra.get("gain", 1.0) * self.equation.rest(numbers).output
+        twist, rate = (self._followed + late * one.rate) / p, (one.rate + late * one.bend) / p
+        laws = self.equation.torque(numbers, twist, rate, one.step)
+        return self._bumped(laws, 0) + self._beside(np.array(numbers), extra)
+
+    def _beside(self, values: FloatArray, extra: dict[str, float]) -> FloatArray:
+        """Terms (n_b,) in N m of the linear rest and of the torque."""
+        one, rest = self.motion, self.equation.rest(values.tolist())
+        twist = (one.twist + extra.get("delay", 0.0) * one.rate) / (extra.get("gain", 1.0) * rest.output)
+        found = -rest.drive * self._bumped(one.torque, 1)
+        for number, factor in enumerate((rest.stiffness, -rest.damping, rest.inertia), 1):
+            if factor:
+                found = found + factor * self._bumped(twist, number)
+        return np.asarray(found)
+
+    def _bumped(self, signal: FloatArray, number: int) -> FloatArray:
+        return np.asarray(np.correlate(signal, self.bumps[number], "valid")[self.places])
+
+    def _noise(self, values: FloatArray) -> FloatArray:
+        """Covariance (n_b, n_b) of the equations by the noise of twist and torque, N^2 m^2."""
+        one, rest = self.motion, self.equation.rest(values.tolist())
+        by_twist, by_torque = one.noise
+        shift = max(by_twist, 1e-6 * float(np.ptp(one.twist)))
+        ends = [
+            self.equation.torque(values.tolist(), self._followed / rest.output + move, one.rate / rest.output, one.step)
+            for move in (shift, -shift)
+        ]
+        tangent = (ends[0] - ends[1]) / (2 * shift)
+        phi, _, first, second = self.bumps
+        hop = int(np.min(np.diff(self.places), initial=len(phi)))
+        inside = np.lib.stride_tricks.sliding_window_view(tangent, len(phi))[self.places]
+        weights = (inside + rest.stiffness) * phi - rest.damping * first + rest.inertia * second
+        weights *= by_twist / abs(rest.output)
+        pull = rest.drive * by_torque * phi
+        if not self.bumps[3].any():
+            # Laws see the smooth twist: neighbours share the noise under its cubics.
+            kernel = scipy.signal.savgol_coeffs(one.width, 3)
+            weights = np.stack([np.convolve(row, kernel) for row in weights])
+            pull = np.pad(pull, one.width // 2)
+        m = len(pull)
+        found = np.zeros((len(self.places),) * 2)
+        for begin in range(0, m, hop):
+            rows = np.searchsorted(self.places, self.places + begin)
+            rows = np.where(rows < len(self.places), rows, 0)
+            pairs = np.flatnonzero(self.places[rows] == self.places + begin)
+            others = rows[pairs]
+            both = np.sum(weights[pairs, begin:] * weights[others, : m - begin], axis=1)
+            both += pull[begin:] @ pull[: m - begin]
+            found[pairs, others] = found[others, pairs] = both
+        least = (1e-9 * float(np.abs(ends[0]).max()) + np.finfo(float).tiny ** 0.5) ** 2
+        return found + np.diag(OTHER * np.diag(found) + least)
+
+    @property
+    def deviations(self) -> FloatArray:
+        return np.tile(self.sizes, 2)
+
+    @property
+    def sizes(self) -> FloatArray:
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    @property
+    def absolute_scale(self) -> FloatArray:
+        return self.sizes
+
+    def residuals(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        predicted, slopes = self.predicted(values)
+        # Bumps overlap: L^-1 of the covariance L L^T makes equations of independent noise of them.
+        lower = np.linalg.cholesky(self.covariance)
+        both = np.column_stack([(predicted - self.measured).real, slopes.real])
+        found = scipy.linalg.solve_triangular(lower, both, lower=True)
+        return np.asarray(found[:, 0]), np.asarray(found[:, 1:])
+
+    def likely_delay(self, values: FloatArray) -> float:
+        del values
+        return 0.0  # far below the time of a reversal
+
+    def measured_noise(self, values: FloatArray) -> Noise | None:
+        """Noise as twist and torque have it from sample to sample, at the stiffness found."""
+        found = np.diag(self._noise(values[: len(self.response.names)]))
+        return Noise(found / np.diag(self.covariance), float(len(self.motion.twist)))
+
+    def take_measured_noise(self, noise: Noise) -> None:
+        size = np.sqrt(noise.ratio)
+        self.covariance = self.covariance * np.outer(size, size)
+
+    def take_noise(self, other: MeasurementBlock, left: float) -> None:
+        assert isinstance(other, EquationBlock)
+        self.covariance = other.covariance * left
+
+    def with_model(self, rig: AssembledModel, measurement: Measurement, parameters: tuple[str, ...]) -> EquationBlock:
+        found = copy(self)
+        found.measurement = measurement
+        found.response = _equation(rig, measurement, self.motion, parameters)
+        return found
+
+
+def equation_block(
+    rig: AssembledModel, measurement: Measurement, data: Recording, parameters: tuple[str, ...]
+) -> EquationBlock:
+    """Weighted residuals of the equation of motion of a model with laws of motion along a record, ready for a fit.
+
+    Raises
+    ------
+    UsageError
+        Names or a law of motion that the model lacks, more than one mass, or a record without motion.
+    """
+    twist = data[measurement.output].values
+    torque = data[measurement.input].values if measurement.input else np.zeros(len(twist))
+    motion = Motion.of(twist, torque, 1 / data.sampling_rate)
+    names = parameters_of_drivetrain(rig, parameters)
+    try:
+        equation = _equation(rig, measurement, motion, names)
+        rest = equation.rest(equation.start.tolist())
+    except UsageError as error:
+        raise UsageError(f"{measurement.label}: {error}", kind=error.kind) from None
+    places, bumps = _bumps(motion, rest, equation.spring)
+    places = places[places * motion.step >= measurement.settling]
+    places = places[_moves_at(motion, places, bumps.shape[1])]
+    if equation.remembers:
+        # What the spring held before the record is forgotten once the friction has slipped both ways.
+        places = places[places > 2 * motion.half_period]
+    if not len(places):
+        text = "the twist does not move for long enough to compare it with the equation of motion"
+        raise UsageError(f"{measurement.label}: {text}", kind="too-short")
+    return EquationBlock(measurement, equation, motion=motion, places=places, bumps=bumps)
+
+
+def _equation(
+    rig: AssembledModel, measurement: Measurement, motion: Motion, parameters: tuple[str, ...]
+) -> MotionEquation:
+    output, into = measurement.model_output or measurement.output, measurement.model_input or measurement.input
+    typical = float(np.ptp(motion.twist)) / 2, 0.5 / (motion.half_period * motion.step)
+    return motion_equation(rig, output, into, measurement.excitation, parameters, typical)
+
+
+def _bumps(motion: Motion, rest: LinearRest, spring: float) -> tuple[FloatArray, FloatArray]:
+    """First samples of all bumps, and phi with its derivatives; ``spring`` in N m/rad is typical of the laws."""
+    n, edge = len(motion.twist), motion.width // 2 + 1
+    free = n - 2 * edge
+    whole = abs(rest.inertia) + abs(rest.damping) > 0 and not _negligible(motion, rest)
+    if not whole:
+        m = max(1, -(-free // MOST_ROWS))
+        return edge + m * np.arange(free // m), np.outer([1, 1, 0, 0], np.full(m, 1 / m))
+    # Where a slow torque drives, a bump as long as a half period of the free vibration tells more of stages.
+    own = np.pi * np.sqrt(abs(rest.inertia) / max(spring + rest.stiffness, 1e-300)) / motion.step
+    m = min(max(round(LENGTH * min(motion.half_period, own)), SHORTEST), free)
+    hop = max(m // OVERLAP, -(-(free - m) // MOST_ROWS), 1)
+    x, half = (2 * np.arange(m) + 1 - m) / (m + 1), (m + 1) * motion.step / 2
+    phi = np.polynomial.Polynomial([1, 0, -1]) ** POWER
+    each = [phi.deriv(n)(x) / half**n for n in range(5)]
+    # Laws are means over places within a sample, and so is, to the second order, all that stands beside them.
+    spread = float(np.var(PLACES)) / 2 * motion.step**2
+    beside = [each[n] + spread * each[n + 2] for n in range(3)]
+    return edge + hop * np.arange((free - m) // hop + 1), np.stack([each[0], *beside]) / each[0].sum()
+
+
+def _negligible(motion: Motion, rest: LinearRest) -> bool:
+    """Whether no mass moves: its torque is rounding."""
+    torques = (rest.inertia * motion.bend, rest.damping * motion.rate)
+    return max(float(np.abs(one).max()) for one in torques) <= 1e-9 * max(float(np.abs(motion.torque).max()), 1e-12)
+
+
+def _moves_at(motion: Motion, places: FloatArray, m: int) -> FloatArray:
+    """Whether the twist moves under each bump, but for reversals."""
+    speed = np.abs(motion.rate)
+    near = scipy.ndimage.maximum_filter1d(speed, 2 * max(motion.half_period, m) + 1)
+    rests = speed < np.maximum(RESTING * near, motion.ripple)
+    if m < motion.half_period:  # of a triangle, cubics round the corners
+        rests = scipy.ndimage.maximum_filter1d(rests, motion.width)
+    resting = np.r_[0, np.cumsum(rests)]
+    return np.asarray((resting[places + m] - resting[places]) <= MOST_RESTING * m)

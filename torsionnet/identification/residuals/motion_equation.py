@@ -1,0 +1,183 @@
+"""Equation of motion of an element with laws of motion, as a function of parameters, along a twist over time.
+
+The element with the laws is taken out; a spring k_0 stays in its place. If one mass moves then, the linear rest is
+
+    J gamma'' + c gamma' + k gamma + tau(gamma, gamma') = g u
+
+with the torque u that drives and the torque tau of the laws; an output y = p gamma reads the twist.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsionnet.base.errors import SolveError, UsageError
+from torsionnet.base.expressions import FLOAT, ExpressionError
+from torsionnet.identification.residuals.laws_over_time import slider_torque, torque_over_time
+from torsionnet.identification.residuals.stepped_curve import (
+    beside_of,
+    channels_beside,
+    laws_of,
+    linear_beside,
+    on_one_twist,
+)
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.linear.sensitivity.parametric import ParametricResponse, parametric_response
+from torsionnet.linear.sensitivity.unknowns import Unknowns, unknowns
+from torsionnet.model.elements import Row, Values
+from torsionnet.model.motion_laws.element_stiffness import stiffness_over_twists
+
+SPREAD = np.array([0.7, 1.0, 1.6])
+"""Frequencies, over that of the motion, at which the linear rest is read: two tell J, c and k, the third checks."""
+ONE_MASS = 1e-6
+"""Largest share by which the rest may miss that of one mass."""
+PLACES = (np.arange(4) - 1.5) / 4
+"""Places within the distance of two samples at which laws are evaluated, so that steps lie between samples."""
+
+
+@dataclass(frozen=True)
+class LinearRest:
+    """Coefficients of the linear rest: J, c and k of its twist in SI units, g of the torque, p of the output."""
+
+    inertia: float = 0.0
+    damping: float = 0.0
+    stiffness: float = 0.0
+    drive: float = 1.0
+    output: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class MotionEquation:
+    """Equation of motion of the twist of an element, as a function of parameters.
+
+    Attributes
+    ----------
+    drivetrain : AssembledModel
+    unknowns : Unknowns
+    elements : tuple of str
+        Those with laws of motion, all on one twist.
+    linear : ParametricResponse or None
+        Output, twist and measured torque over what drives and the ends of the element; None where the torque of the
+        element itself is measured over its twist.
+    row : Row
+        Twist of the element over nodes, without those that stand still.
+    spring : float
+        k_0 in N m/rad.
+    drives : bool
+        Whether a torque is measured, else the motion is a decay.
+    """
+
+    drivetrain: AssembledModel
+    unknowns: Unknowns
+    elements: tuple[str, ...]
+    linear: ParametricResponse | None
+    row: Row
+    spring: float
+    drives: bool
+    unit: str = "N*m"
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return self.unknowns.names
+
+    @property
+    def start(self) -> FloatArray:
+        """Values (n,) of the unknowns in the model as given, in SI units."""
+        return np.array(self.unknowns.start)
+
+    def rest(self, numbers: Sequence[float]) -> LinearRest:
+        """Coefficients of the linear rest at values of the unknowns.
+
+        Raises
+        ------
+        UsageError
+            More than one mass moves, or the output is no multiple of the twist.
+        """
+        if self.linear is None:
+            return LinearRest()
+        found, omega = beside_of(self.linear, self.row, numbers), 2 * np.pi * self.linear.frequencies
+        kappa = 1 / found.by_torque  # k_0 + k + j w c - w^2 J
+        inertia = -float((kappa[1] - kappa[0]).real / (omega[1] ** 2 - omega[0] ** 2))
+        damping = float(kappa[0].imag / omega[0])
+        stiffness = float(kappa[0].real + inertia * omega[0] ** 2)
+        g, p = found.of_twist * kappa, found.output_by_torque * kappa
+        rest = stiffness + 1j * omega * damping - omega**2 * inertia
+        even = (_apart(rest, kappa), *(_apart(np.full(3, one[0].real), one) for one in (p, g)[: 1 + self.drives]))
+        if max(even) > ONE_MASS:
+            what = ", ".join(self.elements)
+            text = f"beside {what} more than one mass moves, or the output is no multiple of the twist of {what}"
+            raise UsageError(
+                f"{text}; lock what stands still, and name a sensor {{twist: {self.elements[0]}}}", kind="unfit-channel"
+            )
+        return LinearRest(inertia, damping, stiffness - self.spring, float(g[0].real), float(p[0].real))
+
+    def torque(self, numbers: Sequence[float], twist: FloatArray, rate: FloatArray, step: float) -> FloatArray:
+        """Torque (n,) in N m of the laws along a twist in rad with its rate in rad/s, a step of ``step`` s apart.
+
+        It is the mean between neighbouring samples, as laws have steps.
+        """
+        bend = np.gradient(rate, step)
+        at = PLACES[:, None] * step
+        twists, rates = twist + at * rate + at**2 / 2 * bend, rate + at * bend
+        total = np.zeros(len(twist))
+        try:
+            given = {name: float(one) for name, one in self.unknowns.values(list(numbers)).items()}
+            value = Values(given, FLOAT)
+            for name in self.elements:
+                one = laws_of(self.unknowns.definition.elements[name], value)
+                total += torque_over_time(*one, twists, rates, _slider).mean(axis=0)
+        except (ZeroDivisionError, OverflowError, ExpressionError) as error:
+            raise SolveError(f"the laws of {', '.join(self.elements)}: {error}", kind="no-solution") from None
+        return total
+
+    @property
+    def remembers(self) -> bool:
+        """Whether a law depends on what went before: friction behind a spring."""
+        elements = [self.unknowns.definition.elements[name] for name in self.elements]
+        return any(one.kind == "friction" and getattr(one, "stiffness", None) is not None for one in elements)
+
+
+def _slider(stiffness: float, torque: float, twists: FloatArray) -> FloatArray:
+    return slider_torque(stiffness, torque, twists.mean(axis=0))[None]
+
+
+def _apart(supposed: FloatArray | ComplexArray, found: ComplexArray) -> float:
+    return float(np.abs(supposed - found).max() / np.abs(found).max())
+
+
+def motion_equation(
+    rig: AssembledModel,
+    output: str,
+    into: str,
+    excitation: str | None,
+    parameters: tuple[str, ...],
+    motion: tuple[float, float],
+) -> MotionEquation:
+    """Equation of motion of the element with laws of motion whose twist ``output`` reads, under the torque ``into``.
+
+    ``motion`` is a typical amplitude in rad and frequency in Hz; without ``into`` nothing drives.
+
+    Raises
+    ------
+    UsageError
+        The model has no law of motion, laws on several twists, or names that it lacks.
+    """
+    varied = unknowns(rig, parameters)
+    elements, row = on_one_twist(rig)
+    sensor = rig.sensors.get(into)
+    if sensor is not None and sensor.quantity == "torque" and sensor.of in elements:
+        return MotionEquation(rig, varied, (sensor.of,), None, row, 0.0, drives=True)
+    value, sizes = Values(dict(rig.exact_values), FLOAT), (*motion[:1], 0.0, 2 * np.pi * motion[1])
+    at = tuple(np.array([one]) for one in sizes)
+    each = [stiffness_over_twists(*laws_of(rig.definition.elements[name], value), *at)[0] for name in elements]
+    spring = float(np.abs(sum(each))) or 1.0
+    linear_rig, held = linear_beside(varied, rig, elements, row, spring)
+    outputs, driving = channels_beside(rig, output, into or next(iter(held)), excitation, elements[0])
+    linear = parametric_response(linear_rig, outputs, [driving, *held], motion[1] * SPREAD, varied.parameters)
+    found = MotionEquation(rig, varied, elements, linear, held, spring, drives=bool(into))
+    found.rest(found.start.tolist())
+    return found
