@@ -35,7 +35,7 @@ MOST_ROWS = 800
 OVERLAP = 4
 """Bumps that begin within the length of one, where a mass moves."""
 POWER = 6
-"""Of the bump (1 - x^2)^6, whose second derivatives are still smooth at its ends, so that sums stand for integrals."""
+"""Power of the bump (1 - x^2)^6, whose second derivatives are smooth at its ends, so that sums stand for integrals."""
 LENGTH, SHORTEST = 1.6, 9
 """Length of a bump with derivatives, in half periods, and fewest samples of it."""
 WIDTHS = (5, 9, 15, 25, 41, 65, 101, 161, 257)
@@ -61,7 +61,7 @@ def noise_of_fourth_differences(values: FloatArray) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class MeasuredMotion:
     """Twist and torque of a record, with what smoothing leaves of the twist, in SI units.
 
     Attributes
@@ -92,7 +92,7 @@ class Motion:
     half_period: int
 
     @classmethod
-    def of(cls, twist: FloatArray, torque: FloatArray, step: float) -> Motion:
+    def of(cls, twist: FloatArray, torque: FloatArray, step: float) -> MeasuredMotion:
         noise = noise_of_fourth_differences(twist)
         width = _width(twist, noise)
         smooth, rate, bend = (scipy.signal.savgol_filter(twist, width, 3, deriv=n, delta=step) for n in range(3))
@@ -121,7 +121,7 @@ class EquationBlock(MeasurementBlock):
 
     Attributes
     ----------
-    motion : Motion
+    motion : MeasuredMotion
     places : (n_b,) int array
         First sample of each bump.
     bumps : (4, m) array
@@ -130,7 +130,7 @@ class EquationBlock(MeasurementBlock):
 
     has_equations: ClassVar[bool] = True
 
-    motion: Motion = field(kw_only=True)
+    motion: MeasuredMotion = field(kw_only=True)
     places: FloatArray = field(kw_only=True)
     bumps: FloatArray = field(kw_only=True)
     covariance: FloatArray = field(init=False)
@@ -313,7 +313,7 @@ def equation_block(
     """
     twist = data[measurement.output].values
     torque = data[measurement.input].values if measurement.input else np.zeros(len(twist))
-    motion = Motion.of(twist, torque, 1 / data.sampling_rate)
+    motion = MeasuredMotion.of(twist, torque, 1 / data.sampling_rate)
     names = parameters_of_drivetrain(rig, parameters)
     try:
         equation = _equation(rig, measurement, motion, names)
@@ -333,14 +333,14 @@ def equation_block(
 
 
 def _equation(
-    rig: AssembledModel, measurement: Measurement, motion: Motion, parameters: tuple[str, ...]
+    rig: AssembledModel, measurement: Measurement, motion: MeasuredMotion, parameters: tuple[str, ...]
 ) -> MotionEquation:
     output, into = measurement.model_output or measurement.output, measurement.model_input or measurement.input
     typical = float(np.ptp(motion.twist)) / 2, 0.5 / (motion.half_period * motion.step)
     return motion_equation(rig, output, into, measurement.excitation, parameters, typical)
 
 
-def _bumps(motion: Motion, rest: LinearRest, spring: float) -> tuple[FloatArray, FloatArray]:
+def _bumps(motion: MeasuredMotion, rest: LinearRest, spring: float) -> tuple[FloatArray, FloatArray]:
     """First samples of all bumps, and phi with its derivatives; ``spring`` in N m/rad is typical of the laws."""
     n, edge = len(motion.twist), motion.width // 2 + 1
     free = n - 2 * edge
@@ -361,13 +361,13 @@ def _bumps(motion: Motion, rest: LinearRest, spring: float) -> tuple[FloatArray,
     return edge + hop * np.arange((free - m) // hop + 1), np.stack([each[0], *beside]) / each[0].sum()
 
 
-def _negligible(motion: Motion, rest: LinearRest) -> bool:
+def _negligible(motion: MeasuredMotion, rest: LinearRest) -> bool:
     """Whether no mass moves: its torque is rounding."""
     torques = (rest.inertia * motion.bend, rest.damping * motion.rate)
     return max(float(np.abs(one).max()) for one in torques) <= 1e-9 * max(float(np.abs(motion.torque).max()), 1e-12)
 
 
-def _moves_at(motion: Motion, places: FloatArray, m: int) -> FloatArray:
+def _moves_at(motion: MeasuredMotion, places: FloatArray, m: int) -> FloatArray:
     """Whether the twist moves under each bump, but for reversals."""
     speed = np.abs(motion.rate)
     near = scipy.ndimage.maximum_filter1d(speed, 2 * max(motion.half_period, m) + 1)

@@ -96,7 +96,7 @@ def stiffness_by_harmonics(
     spring: float,
     receptances: ComplexArray,
 ) -> ComplexArray:
-    """What harmonics of the twist change of the complex stiffness (n,) in N m/rad that laws have to its first one.
+    """Change (n,) in N m/rad by harmonics of the twist of the complex stiffness that laws have to its first one.
 
     The drive is a sine: of the harmonic m of the torque tau beside a spring k_0 the twist gets gamma_m = -b_m tau_m.
 

@@ -70,8 +70,12 @@ def loop_remarks(
     if relaxed is not None and abs(relaxed.value) > max(
         relaxed.half_width or math.inf, TOLD * abs(loop.friction.value)
     ):
-        text = "where the twist is held at its reversals the torque falls by {fall:.2g} N m: creep; run at two speeds"
-        found.append(phrase(text, fall=relaxed.value))
+        found.append(
+            phrase(
+                "where the twist is held at its reversals the torque falls by {fall:.2g} N m: creep; run at two speeds",
+                fall=relaxed.value,
+            )
+        )
     if half is not None and loop.loss.value <= half:
         found.append(
             warning(
@@ -94,7 +98,7 @@ def series_remarks(loops: Sequence[TorqueLoop]) -> list[NoteOrText]:
     found: list[NoteOrText] = []
     for one in loops:
         share, crossing, wide = friction_build_up(one), one.crossing, _width_by_rate(one)
-        half = crossing.half_width or 0.0
+        half = crossing.half_width
         if share > BUILD_UP:
             found.append(
                 warning(
@@ -107,24 +111,28 @@ def series_remarks(loops: Sequence[TorqueLoop]) -> list[NoteOrText]:
                 )
             )
         elif wide > VISCOUS * one.friction.value:
-            text = (
-                "the loop is wider in its middle, as by friction that grows with speed: over a sine c = {damping:.2g} "
-                "N m s/rad; run at two speeds"
+            found.append(
+                phrase(
+                    "the loop is wider in its middle, as by friction that grows with speed: over a sine c = "
+                    "{damping:.2g} N m s/rad; run at two speeds",
+                    damping=wide / (2 * np.pi * one.frequency * one.amplitude.value),
+                )
             )
-            found.append(phrase(text, damping=wide / (2 * np.pi * one.frequency * one.amplitude.value)))
-        elif (
-            crossing.half_width is not None and not one.bends and crossing.value > half + CROSSING * one.amplitude.value
-        ):
+        elif not one.bends and half is not None and crossing.value > half + CROSSING * one.amplitude.value:
             # The branches are 2 M apart, which what is in series crosses while the component stands still.
-            text = (
-                "behind a reversal the torque needs {crossing:.2g} deg to cross over, as behind {stiffness:.2g} "
-                "N m/rad in series between the sensors, which make the component {share:.2g} % too soft; or the torque "
-                "comes late: run at two speeds"
-            )
             stiffness = 2 * one.friction.value / crossing.value
-            softer = 100 * one.storage_stiffness.value / stiffness
-            degrees = np.degrees(crossing.value)
-            found.append(warning(phrase(text, crossing=degrees, stiffness=stiffness, share=softer)))
+            found.append(
+                warning(
+                    phrase(
+                        "behind a reversal the torque needs {crossing:.2g} deg to cross over, as behind "
+                        "{stiffness:.2g} N m/rad in series between the sensors, which make the component {share:.2g} % "
+                        "too soft; or the torque comes late: run at two speeds",
+                        crossing=np.degrees(crossing.value),
+                        stiffness=stiffness,
+                        share=100 * one.storage_stiffness.value / stiffness,
+                    )
+                )
+            )
     return found
 
 
