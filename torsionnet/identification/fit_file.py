@@ -163,8 +163,8 @@ class _Reader:
             if data is None:
                 continue
             more = {key: getattr(given, key) for key in SAME_ENTRIES}
-            averaged = isinstance(data, Recording) and not given.equations
-            chosen = self._chosen(settings, data, given.band) if averaged else None
+            averaged = data if isinstance(data, Recording) and not given.equations else None
+            chosen = None if averaged is None else self._chosen(settings, averaged, given.band)
             try:
                 one = Measurement(data, name=name, settings=chosen, configuration=configuration, **more)
             except UsageError as error:

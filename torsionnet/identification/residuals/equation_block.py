@@ -15,10 +15,11 @@ from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 from torsionnet.base.errors import UsageError
 from torsionnet.identification.orders.parametric_orders import parameters_of_drivetrain
@@ -47,7 +48,7 @@ CLEAR_OF_NOISE = 4.0
 RESTING, MOST_RESTING = 0.05, 0.15
 """Rate over the largest near by below which the twist rests, and the share of a bump at rest from which it is left
 out: friction at rest has any torque up to its own."""
-OTHER = 0.05
+OTHER = 0.1
 """Variance that sampling and smoothing leave in each equation by itself, over that by noise."""
 DIFFERENCE = 1e-5
 """Relative step of the unknowns by which residuals are differenced."""
@@ -95,13 +96,19 @@ class MeasuredMotion:
     def of(cls, twist: FloatArray, torque: FloatArray, step: float) -> MeasuredMotion:
         noise = noise_of_fourth_differences(twist)
         width = _width(twist, noise)
-        smooth, rate, bend = (scipy.signal.savgol_filter(twist, width, 3, deriv=n, delta=step) for n in range(3))
-        # Slope of a cubic over m samples: variance 75 s^2/(m^3 h^2) in its middle. Slower, the twist may rest.
-        ripple = CLEAR_OF_NOISE * float(np.sqrt(75 / width**3)) * noise / step
-        turns = int(np.count_nonzero(np.diff(np.sign(rate[np.abs(rate) > ripple]))))
-        moving = int(np.count_nonzero(np.abs(rate) > ripple))
+        smooth = scipy.signal.savgol_filter(twist, width, 3)
+        half_period, by_rate = len(twist), width
+        for _ in range(2):
+            rate, bend = (scipy.signal.savgol_filter(twist, by_rate, 3, deriv=n, delta=step) for n in (1, 2))
+            # Slope of a cubic over m samples: variance 75 s^2/(m^3 h^2) in its middle. Slower, the twist may rest.
+            ripple = CLEAR_OF_NOISE * float(np.sqrt(75 / by_rate**3)) * noise / step
+            moves = np.abs(rate) > ripple
+            turns = int(np.count_nonzero(np.diff(np.sign(rate[moves]))))
+            half_period = min(half_period, int(np.count_nonzero(moves)) // (turns + 1))
+            # The rate tells when friction turns: a third of a half period hardly moves a reversal.
+            by_rate = max(width, min(half_period // 6 * 2 + 1, 2 * width - 1))
         spread = noise_of_fourth_differences(torque) if torque.any() else 0.0
-        return cls(twist, smooth, rate, bend, torque, step, (noise, spread), ripple, width, moving // (turns + 1))
+        return cls(twist, smooth, rate, bend, torque, step, (noise, spread), ripple, width, max(half_period, 1))
 
 
 def _width(twist: FloatArray, noise: float) -> int:
@@ -131,7 +138,7 @@ class EquationBlock(MeasurementBlock):
     has_equations: ClassVar[bool] = True
 
     motion: MeasuredMotion = field(kw_only=True)
-    places: FloatArray = field(kw_only=True)
+    places: NDArray[np.intp] = field(kw_only=True)
     bumps: FloatArray = field(kw_only=True)
     covariance: FloatArray = field(init=False)
 
@@ -245,6 +252,11 @@ class EquationBlock(MeasurementBlock):
             weights = np.stack([np.convolve(row, kernel) for row in weights])
             pull = np.pad(pull, one.width // 2)
         m = len(pull)
+        faster, slower = (
+            self.equation.torque(values.tolist(), self._followed / rest.output, one.rate / rest.output + move, one.step)
+            for move in (one.ripple / CLEAR_OF_NOISE, -one.ripple / CLEAR_OF_NOISE)
+        )
+        late = self._bumped(np.abs(faster - slower) / 2, 0)  # by noise of the time at which friction turns
         found = np.zeros((len(self.places),) * 2)
         for begin in range(0, m, hop):
             rows = np.searchsorted(self.places, self.places + begin)
@@ -255,7 +267,7 @@ class EquationBlock(MeasurementBlock):
             both += pull[begin:] @ pull[: m - begin]
             found[pairs, others] = found[others, pairs] = both
         least = (1e-9 * float(np.abs(ends[0]).max()) + np.finfo(float).tiny ** 0.5) ** 2
-        return found + np.diag(OTHER * np.diag(found) + least)
+        return found + np.diag(OTHER * np.diag(found) + late**2 + least)
 
     @property
     def deviations(self) -> FloatArray:
@@ -297,7 +309,8 @@ class EquationBlock(MeasurementBlock):
     def with_model(self, rig: AssembledModel, measurement: Measurement, parameters: tuple[str, ...]) -> EquationBlock:
         found = copy(self)
         found.measurement = measurement
-        found.response = _equation(rig, measurement, self.motion, parameters)
+        response: Any = _equation(rig, measurement, self.motion, parameters)  # a curve over time, not over frequency
+        found.response = response
         return found
 
 
@@ -329,7 +342,8 @@ def equation_block(
     if not len(places):
         text = "the twist does not move for long enough to compare it with the equation of motion"
         raise UsageError(f"{measurement.label}: {text}", kind="too-short")
-    return EquationBlock(measurement, equation, motion=motion, places=places, bumps=bumps)
+    response: Any = equation
+    return EquationBlock(measurement, response, motion=motion, places=places, bumps=bumps)
 
 
 def _equation(
@@ -340,7 +354,7 @@ def _equation(
     return motion_equation(rig, output, into, measurement.excitation, parameters, typical)
 
 
-def _bumps(motion: MeasuredMotion, rest: LinearRest, spring: float) -> tuple[FloatArray, FloatArray]:
+def _bumps(motion: MeasuredMotion, rest: LinearRest, spring: float) -> tuple[NDArray[np.intp], FloatArray]:
     """First samples of all bumps, and phi with its derivatives; ``spring`` in N m/rad is typical of the laws."""
     n, edge = len(motion.twist), motion.width // 2 + 1
     free = n - 2 * edge
@@ -367,7 +381,7 @@ def _negligible(motion: MeasuredMotion, rest: LinearRest) -> bool:
     return max(float(np.abs(one).max()) for one in torques) <= 1e-9 * max(float(np.abs(motion.torque).max()), 1e-12)
 
 
-def _moves_at(motion: MeasuredMotion, places: FloatArray, m: int) -> FloatArray:
+def _moves_at(motion: MeasuredMotion, places: NDArray[np.intp], m: int) -> NDArray[np.bool_]:
     """Whether the twist moves under each bump, but for reversals."""
     speed = np.abs(motion.rate)
     near = scipy.ndimage.maximum_filter1d(speed, 2 * max(motion.half_period, m) + 1)

@@ -105,7 +105,7 @@ class MotionEquation:
         damping = float(kappa[0].imag / omega[0])
         stiffness = float(kappa[0].real + inertia * omega[0] ** 2)
         g, p = found.of_twist * kappa, found.output_by_torque * kappa
-        rest = stiffness + 1j * omega * damping - omega**2 * inertia
+        rest = np.asarray(stiffness + 1j * omega * damping - omega**2 * inertia, dtype=np.complex128)
         even = (_apart(rest, kappa), *(_apart(np.full(3, one[0].real), one) for one in (p, g)[: 1 + self.drives]))
         if max(even) > ONE_MASS:
             what = ", ".join(self.elements)
