@@ -77,67 +77,67 @@ def completion_list(model: OpenModel, at: EditorPosition) -> CompletionList:
     from torsionnet.app.text.completion import completions
 
     offset = model.shown.offset(at)
-    found = completions(model.text, offset, model.file, model.folder)
-    items = [_completion(model, one, number) for number, one in enumerate(found)]
+    proposals = completions(model.text, offset, model.file, model.folder)
+    items = [_completion(model, proposal, number) for number, proposal in enumerate(proposals)]
     # Before a word has begun, the next key asks anew: left to themselves, editors match the digits 14 with k_14.
     return CompletionList(not model.text[:offset][-1:].isalnum(), items)
 
 
-def _completion(model: OpenModel, one: Completion, number: int) -> CompletionItem:
-    written = model.text[one.span.start : one.span.end]
+def _completion(model: OpenModel, proposal: Completion, number: int) -> CompletionItem:
+    written = model.text[proposal.span.start : proposal.span.end]
     return CompletionItem(
-        label=one.label,
-        kind=_COMPLETIONS.get(one.kind, CompletionItemKind.Text),
-        detail=one.detail or None,
-        documentation=MarkupContent(MarkupKind.Markdown, one.documentation) if one.documentation else None,
+        label=proposal.label,
+        kind=_COMPLETIONS.get(proposal.kind, CompletionItemKind.Text),
+        detail=proposal.detail or None,
+        documentation=MarkupContent(MarkupKind.Markdown, proposal.documentation) if proposal.documentation else None,
         sort_text=f"{number:05d}",
         # Editors drop proposals that do not match what is written; the service has chosen already.
-        filter_text=one.label if one.label.startswith(written) or not written else written,
+        filter_text=proposal.label if proposal.label.startswith(written) or not written else written,
         insert_text_mode=InsertTextMode.AsIs,  # lines after the first have their indentation
-        text_edit=EditorEdit(model.shown.range(one.span), one.insert),
+        text_edit=EditorEdit(model.shown.range(proposal.span), proposal.insert),
     )
 
 
 def hover_text(model: OpenModel, at: EditorPosition) -> EditorHover | None:
     """Explanation of what stands at a position, None where nothing is to be said."""
-    found = hover(model.text, model.shown.offset(at), model.file, model.folder)
-    if found is None:
+    explanation = hover(model.text, model.shown.offset(at), model.file, model.folder)
+    if explanation is None:
         return None
-    return EditorHover(MarkupContent(MarkupKind.Markdown, found.markdown), model.shown.range(found.span))
+    return EditorHover(MarkupContent(MarkupKind.Markdown, explanation.markdown), model.shown.range(explanation.span))
 
 
 def definition_location(model: OpenModel, at: EditorPosition) -> Location | None:
     """Location of the definition of the name at a position, None where there is none."""
-    found = definition(model.text, model.shown.offset(at), model.file, model.folder)
-    return None if found is None else Location(model.uri, model.shown.range(found))
+    span = definition(model.text, model.shown.offset(at), model.file, model.folder)
+    return None if span is None else Location(model.uri, model.shown.range(span))
 
 
 def reference_locations(model: OpenModel, at: EditorPosition, *, with_definition: bool) -> list[Location]:
     """Locations where the name at a position stands."""
     offset = model.shown.offset(at)
-    found = references(model.text, offset, model.file, model.folder)
+    spans = references(model.text, offset, model.file, model.folder)
     if not with_definition:
         own = definition(model.text, offset, model.file, model.folder)
-        found = [span for span in found if span != own]
-    return [Location(model.uri, model.shown.range(span)) for span in found]
+        spans = [span for span in spans if span != own]
+    return [Location(model.uri, model.shown.range(span)) for span in spans]
 
 
 def highlights(model: OpenModel, at: EditorPosition) -> list[DocumentHighlight]:
     """Stretches where the name at a position stands; what defines it is marked as written."""
-    found = references(model.text, model.shown.offset(at), model.file, model.folder)
+    spans = references(model.text, model.shown.offset(at), model.file, model.folder)
     defining = {place.span for place in named_places(model.text, model.file, model.folder) if place.is_definition}
     return [
         DocumentHighlight(
             model.shown.range(span), DocumentHighlightKind.Write if span in defining else DocumentHighlightKind.Read
         )
-        for span in found
+        for span in spans
     ]
 
 
 def renamable_range(model: OpenModel, at: EditorPosition) -> EditorRange | None:
     """Range of the name at a position that can be changed, None where there is none."""
-    found = renamable(model.text, model.shown.offset(at), model.file, model.folder)
-    return None if found is None else model.shown.range(found)
+    span = renamable(model.text, model.shown.offset(at), model.file, model.folder)
+    return None if span is None else model.shown.range(span)
 
 
 def renaming(model: OpenModel, at: EditorPosition, new: str) -> WorkspaceEdit:
@@ -181,7 +181,7 @@ def formatting_edits(model: OpenModel, within: EditorRange | None = None) -> lis
     edits = formatted(model.text)
     if within is not None:
         wanted = model.shown.span(within)
-        edits = [one for one in edits if wanted.start <= one.span.start and one.span.end <= wanted.end]
+        edits = [edit for edit in edits if wanted.start <= edit.span.start and edit.span.end <= wanted.end]
     return model.shown.edits(edits)
 
 
@@ -201,8 +201,8 @@ def faults_in_editor(model: OpenModel) -> list[LocatedFault]:
 
     A file of parts lacks nothing when it has no elements, and its parts are used in other files.
     """
-    found = text_faults(model.text, model.file, model.folder)
-    return [one for one in found if not _asks_for_a_model(one.fault)] if is_parts_text(model.text) else found
+    faults = text_faults(model.text, model.file, model.folder)
+    return [fault for fault in faults if not _asks_for_a_model(fault.fault)] if is_parts_text(model.text) else faults
 
 
 def _asks_for_a_model(fault: errors.Fault) -> bool:
@@ -213,7 +213,7 @@ def _asks_for_a_model(fault: errors.Fault) -> bool:
 
 def diagnostics(model: OpenModel, faults: Iterable[LocatedFault]) -> list[Diagnostic]:
     """Diagnostics of the faults of an open model, with the places where an entry is used and defined."""
-    return [_diagnostic(model, one) for one in faults]
+    return [_diagnostic(model, fault) for fault in faults]
 
 
 def _diagnostic(model: OpenModel, located: LocatedFault) -> Diagnostic:
@@ -255,11 +255,11 @@ def code_actions(model: OpenModel, faults: Sequence[LocatedFault], marked: TextS
         CodeAction(
             title=fix.title,
             kind=CodeActionKind.QuickFix,
-            diagnostics=[_diagnostic(model, one)],
+            diagnostics=[_diagnostic(model, fault)],
             edit=WorkspaceEdit(changes={model.uri: model.shown.edits(fix.edits)}),
-            is_preferred=len(one.fixes) == 1,
+            is_preferred=len(fault.fixes) == 1,
         )
-        for one in faults
-        if one.span.start <= marked.end and marked.start <= one.span.end
-        for fix in one.fixes
+        for fault in faults
+        if fault.span.start <= marked.end and marked.start <= fault.span.end
+        for fix in fault.fixes
     ]

@@ -152,7 +152,7 @@ class ModelServer(LanguageServer):
 
     def _files(self) -> dict[Path, TextDocument]:
         """Open documents that are files, by their resolved path."""
-        return {path: one for uri, one in self._documents().items() if (path := _real_path(uri)) is not None}
+        return {path: document for uri, document in self._documents().items() if (path := _real_path(uri)) is not None}
 
     def changed(self, uri: str, delay: float = 0.0) -> None:
         """Check a file anew, and the open files that read it."""

@@ -42,7 +42,7 @@ class EditorText:
     @cached_property
     def _starts(self) -> list[int]:
         """Offsets of the first character of each line."""
-        return [0, *(found.end() for found in _BREAK.finditer(self.text))]
+        return [0, *(line_break.end() for line_break in _BREAK.finditer(self.text))]
 
     @cached_property
     def _one_each(self) -> bool:

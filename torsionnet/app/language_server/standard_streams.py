@@ -57,7 +57,9 @@ def _add_files(server: ModelServer) -> None:
         workspace = server.client_capabilities.workspace
         watching = workspace.did_change_watched_files if workspace else None
         if watching and watching.dynamic_registration:
-            options = types.DidChangeWatchedFilesRegistrationOptions([types.FileSystemWatcher(one) for one in WATCHED])
+            options = types.DidChangeWatchedFilesRegistrationOptions(
+                [types.FileSystemWatcher(pattern) for pattern in WATCHED]
+            )
             registered = types.Registration("watched-files", types.WORKSPACE_DID_CHANGE_WATCHED_FILES, options)
             server.client_register_capability(types.RegistrationParams([registered]))
 
@@ -72,7 +74,7 @@ def _add_faults(server: ModelServer) -> None:
     )
     async def actions(params: types.CodeActionParams) -> list[types.CodeAction] | None:
         wanted = params.context.only
-        if wanted is not None and not any(_is_quick_fix(one) for one in wanted):
+        if wanted is not None and not any(_is_quick_fix(kind) for kind in wanted):
             return None
         return await server.answer(
             params.text_document.uri,

@@ -60,7 +60,7 @@ def completions(text: str, offset: int, file: str = "", folder: Path | None = No
     Examples
     --------
     >>> text = "elements:\\n  motor: {type: inertia, node: a, ine"
-    >>> [one.insert for one in completions(text, len(text))]
+    >>> [option.insert for option in completions(text, len(text))]
     ['inertia: ']
     >>> text += "rtia: 0.078 "
     >>> completions(text, len(text))[0].label
@@ -73,8 +73,8 @@ def completions(text: str, offset: int, file: str = "", folder: Path | None = No
     if context.path == (KEY,) and not context.is_key:
         version = str(FORMAT_VERSION)
         blank = " " if context.needs_blank else ""
-        found = Completion(version, "word", "", "version of the file format", f"{blank}{version}", context.word)
-        return [found] if version.startswith(text[context.word.start : offset]) else []
+        proposal = Completion(version, "word", "", "version of the file format", f"{blank}{version}", context.word)
+        return [proposal] if version.startswith(text[context.word.start : offset]) else []
     if folder is None and file:
         folder = Path(file).parent
     return list(_fitting(text, offset, context, folder))[:MOST_OPTIONS]
@@ -114,9 +114,9 @@ def _sorted(options: Iterable[CompletionOption], word: str, context: CursorConte
         insert = f" {option.insert}" if context.needs_blank and option.insert[:1] != "\n" else option.insert
         span = TextSpan(context.word.start + option.begin, end)
         kind = _KINDS.get(option.kind, option.kind)
-        found = Completion(option.label, kind, option.detail, option.documentation, insert, span)
+        proposal = Completion(option.label, kind, option.detail, option.documentation, insert, span)
         if option.label.casefold().startswith(begun):
-            yield found
+            yield proposal
         else:
-            later.append(found)
+            later.append(proposal)
     yield from later

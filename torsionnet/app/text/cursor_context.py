@@ -53,8 +53,8 @@ def flow_place(text: str, start: int, end: int) -> FlowPlace | None:
     """
     frames: list[_Frame] = []
     is_text = is_new_line = False
-    for found in _TOKEN.finditer(text, start, end):
-        kind, token = found.lastgroup, found[0]
+    for sign in _TOKEN.finditer(text, start, end):
+        kind, token = sign.lastgroup, sign[0]
         top = frames[-1] if frames else _Frame("")
         if kind == "mark" and token in "{[":
             frames.append(_Frame(token))
@@ -69,7 +69,7 @@ def flow_place(text: str, start: int, end: int) -> FlowPlace | None:
         elif kind == "mark":
             top.key, top.index, top.start, top.is_done = None, top.index + 1, None, False
         elif kind == "colon":
-            _colon(frames, text, found.start())
+            _colon(frames, text, sign.start())
         elif kind == "newline":
             is_new_line = True
             continue
@@ -77,11 +77,11 @@ def flow_place(text: str, start: int, end: int) -> FlowPlace | None:
             if top.is_done or (is_new_line and top.start is not None and top.mark == "{"):
                 # What follows a finished value is the next key, though the comma is missing.
                 top.key, top.start, top.is_done = None, None, False
-            top.start = found.start() if top.start is None else top.start
+            top.start = sign.start() if top.start is None else top.start
             top.is_done = kind == "quoted"
             is_text = kind == "open_quote"
         elif kind == "comment":
-            is_text = found.end() == end
+            is_text = sign.end() == end
         is_new_line = False if kind else is_new_line
     if not frames:
         return None
@@ -168,8 +168,8 @@ class _Cursor:
         indent = len(prefix) - len(prefix.lstrip()) if prefix.strip() else self.column
         is_first_dash = bool(levels) and levels[0].key is None
         if levels and levels[-1].key is not None and prefix[levels[-1].value : levels[-1].value + 1] in ("{", "["):
-            found = self.flow(self.row, levels[-1].value, self.path_above(indent, is_first_dash), levels)
-            return found or self.plain((), True, self.column, is_text=True)
+            in_flow = self.flow(self.row, levels[-1].value, self.path_above(indent, is_first_dash), levels)
+            return in_flow or self.plain((), True, self.column, is_text=True)
         above = self.above(indent, is_first_dash)
         if isinstance(above, CursorContext):
             return above
@@ -237,8 +237,8 @@ class _Cursor:
 
     def path_above(self, indent: int, is_dash: bool) -> EntryPath:
         """Keys and indices of the entries that the line of the cursor belongs to by its indentation alone."""
-        found = self.above(indent, is_dash, by_indent=True)
-        return () if isinstance(found, CursorContext) else found
+        path = self.above(indent, is_dash, by_indent=True)
+        return () if isinstance(path, CursorContext) else path
 
     def above(self, level: int, is_dash: bool, *, by_indent: bool = False) -> EntryPath | CursorContext:
         """Keys and indices of the entries that the line of the cursor belongs to by its indentation.
@@ -263,9 +263,9 @@ class _Cursor:
             levels, rest = _levels(line)
             value = line[rest:].strip()
             if value[:1] in ("{", "[") and not by_indent:
-                found = self.flow(row, rest, (), levels)
-                if found is not None:
-                    return replace(found, path=(*self.path_of(row), *found.path))
+                in_flow = self.flow(row, rest, (), levels)
+                if in_flow is not None:
+                    return replace(in_flow, path=(*self.path_of(row), *in_flow.path))
             if value[:1] in ("|", ">") and not by_indent:
                 return self.plain((), True, self.column, is_text=True)
             for inner in reversed(levels):
@@ -299,9 +299,9 @@ class _Cursor:
         for above in range(row, max(row - _MOST_LINES_OF_FLOW, -1), -1):
             levels, rest = _levels(self.line(above))
             if self.line(above)[rest : rest + 1] in ("{", "["):
-                found = self.flow(above, rest, (), levels)
-                if found is not None:
-                    return replace(found, path=(*self.path_of(above), *found.path))
+                in_flow = self.flow(above, rest, (), levels)
+                if in_flow is not None:
+                    return replace(in_flow, path=(*self.path_of(above), *in_flow.path))
                 if levels:
                     return None
         return None

@@ -106,7 +106,7 @@ def fault_kind(name: str) -> FaultKind:
     """Kind of faults of a name, which may stand in brackets; UsageError asks which was meant."""
     kinds, wanted = fault_kinds(), name.strip("[]")
     if wanted not in kinds:
-        near = difflib.get_close_matches(wanted, kinds, 4) or [one for one in kinds if wanted in one]
+        near = difflib.get_close_matches(wanted, kinds, 4) or [kind for kind in kinds if wanted in kind]
         hint = f"; did you mean {' or '.join(near)}?" if near else "; torsionnet explain lists them all"
         raise UsageError(f'no kind of fault is named "{wanted}"{hint}', kind="unknown-name")
     return kinds[wanted]

@@ -47,7 +47,7 @@ def formatted(text: str) -> list[TextEdit]:
     for edits in (list(layout.edits()), list(layout.edits(last_break=False))):
         if _same(document, edited(body, edits)):
             mark = len(text) - len(body)
-            return [TextEdit(TextSpan(one.span.start + mark, one.span.end + mark), one.text) for one in edits]
+            return [TextEdit(TextSpan(edit.span.start + mark, edit.span.end + mark), edit.text) for edit in edits]
     return []
 
 
@@ -76,16 +76,16 @@ class _Layout:
         if self.document.root is not None and not self.shift:
             self.entries(self.document.root, 0)
             self.between()
-        found = [*self.margins(), *self.gaps()]
+        edits = [*self.margins(), *self.gaps()]
         text = self.lines.text
         if last_break and text and not text.endswith(("\n", "\r")):
             end = len(text)
-            found.append(TextEdit(TextSpan(end, end), (re.search("\r\n|\r|\n", text) or ["\n"])[0]))
-        return iter(sorted(found))
+            edits.append(TextEdit(TextSpan(end, end), (re.search("\r\n|\r|\n", text) or ["\n"])[0]))
+        return iter(sorted(edits))
 
     def align(self, node: LocatedNode) -> None:
         """Remember the values of a mapping that begin in the same column, further right than they would have to."""
-        places = [(one.place, one.key_place) for one in node.entries.values() if one.key_place]
+        places = [(entry.place, entry.key_place) for entry in node.entries.values() if entry.key_place]
         columns = Counter(value[1] for value, key in places if value[0] == key[2])
         self.aligned |= {value[:2] for value, key in places if value[0] == key[2] and columns[value[1]] > 1}
 
@@ -160,10 +160,10 @@ class _Layout:
         for number in range(count):
             if number in self.shift or not self.line(number).strip():
                 continue
-            after = next((one for one in known if one > number), None)
-            before = next((one for one in reversed(known) if one < number), None)
-            around = [one for one in (after, before) if one is not None]
-            fitting = [one for one in around if self.indent(one) == self.indent(number)]
+            after = next((entry_line for entry_line in known if entry_line > number), None)
+            before = next((entry_line for entry_line in reversed(known) if entry_line < number), None)
+            around = [entry_line for entry_line in (after, before) if entry_line is not None]
+            fitting = [entry_line for entry_line in around if self.indent(entry_line) == self.indent(number)]
             if fitting:
                 self.shift[number] = self.shift[fitting[0]]
             elif around:

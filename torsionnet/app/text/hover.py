@@ -53,18 +53,18 @@ def entry_under(names: NamesInText, offset: int) -> EntryUnder | None:
     specs: Mapping[Any, Spec[Any]] = Definition.entry_specs(names.root.value)
     node, owner = names.root, None
     path: EntryPath = ()
-    found: EntryUnder | None = None
+    under: EntryUnder | None = None
     while True:
         hit = _child_at(names, node, offset)
         if hit is None:
-            return found
+            return under
         key, child, span, on_key = hit
         beside = node.value if isinstance(node.value, Mapping) else {}
         spec = specs.get(key) or _changed(str(key), scope)
         path = (*path, key)
-        found = EntryUnder(path, child, spec, owner, beside, span, on_key, scope)
+        under = EntryUnder(path, child, spec, owner, beside, span, on_key, scope)
         if on_key:
-            return found
+            return under
         if len(path) == 2 and path[0] == "parts" and isinstance(child.value, Mapping):
             scope = Scope(path, child.value)
         node, owner = child, spec
@@ -133,14 +133,14 @@ class KnownValues:
         """Value of an expression with its SI unit; empty where a parameter in it has no value."""
         try:
             number = float(value.evaluate(self.values))
-            found = DIMENSIONS[dimension] if dimension else value.dimension(self.dimensions)
+            dimensions = DIMENSIONS[dimension] if dimension else value.dimension(self.dimensions)
         except (TorsionnetError, ArithmeticError, TypeError):
             return ""
         # An angle counts as 1 in dimensions: only how the value is written tells a stiffness from a torque.
         per_angle = isinstance(value, Number) and value.has_angle
-        if not dimension and found == DIMENSIONS["torque"] and per_angle:
+        if not dimension and dimensions == DIMENSIONS["torque"] and per_angle:
             dimension = "stiffness"
-        unit = expected_unit(dimension) if dimension else "" if found is None else str(found)
+        unit = expected_unit(dimension) if dimension else "" if dimensions is None else str(dimensions)
         return f"{screen_text(number)} {unit}".strip() if unit != "1" else screen_text(number)
 
     def words(self, value: Expression, dimension: str = "") -> str:
@@ -174,24 +174,24 @@ def key_words(entry: EntryUnder) -> str:
 
 def _facts(spec: Spec[Any]) -> list[str]:
     """Unit, bounds, symbol and words of an entry."""
-    found: list[str] = []
+    facts: list[str] = []
     dimension = getattr(spec, "dimension", "")
     if dimension:
-        found.append("a plain number" if dimension == "1" else f"{dimension} in {code(expected_unit(dimension))}")
+        facts.append("a plain number" if dimension == "1" else f"{dimension} in {code(expected_unit(dimension))}")
     if isinstance(spec, QuantityKind | Value):
         if spec.lower is not None:
-            found.append(f"{'more than' if spec.exclusive else 'at least'} {spec.lower:g}")
+            facts.append(f"{'more than' if spec.exclusive else 'at least'} {spec.lower:g}")
         if isinstance(spec, QuantityKind) and spec.nonzero:
-            found.append("not 0")
+            facts.append("not 0")
         if isinstance(spec, QuantityKind) and spec.symbol:
-            found.append(f"symbol {code(spec.symbol)}")
+            facts.append(f"symbol {code(spec.symbol)}")
         if isinstance(spec, Value) and spec.below is not None:
-            found.append(f"less than {spec.below:g}")
+            facts.append(f"less than {spec.below:g}")
     if isinstance(spec, Count):
-        found.append(f"a whole number from {spec.lower} to {spec.upper}")
+        facts.append(f"a whole number from {spec.lower} to {spec.upper}")
     if isinstance(spec, OneOf):
-        found.append(f"one of {', '.join(map(code, spec.options))}")
-    return found
+        facts.append(f"one of {', '.join(map(code, spec.options))}")
+    return facts
 
 
 def _default(entry: EntryUnder) -> list[str]:
@@ -209,16 +209,16 @@ def _default(entry: EntryUnder) -> list[str]:
 
 
 def _plain(spec: Spec[Any], value: Any) -> object:
-    found = spec.plain(value)
-    return str(found).lower() if isinstance(found, bool) else found
+    plain = spec.plain(value)
+    return str(plain).lower() if isinstance(plain, bool) else plain
 
 
 def class_of(spec: Spec[Any] | None, raw: Mapping[str, Any]) -> type[Declared] | None:
     """Class of the object that an entry holds, None where it holds none or its type is unknown."""
     if isinstance(spec, Typed):
         kind = raw.get(spec.key)
-        found: type[Declared] | None = spec.kinds().get(kind) if isinstance(kind, str) else None
-        return found
+        cls: type[Declared] | None = spec.kinds().get(kind) if isinstance(kind, str) else None
+        return cls
     of = getattr(spec, "of", None)
     made = of() if callable(of) else None
     return made if isinstance(made, type) and issubclass(made, Declared) else None
@@ -234,14 +234,14 @@ def value_words(entry: EntryUnder) -> str:
         return row_words(entry.beside)
     if entry.spec is None or isinstance(raw, bool) or not isinstance(raw, str | int | float):
         return ""
-    found = read_expression(entry.spec, raw)
-    if isinstance(found, Expression):
+    read = read_expression(entry.spec, raw)
+    if isinstance(read, Expression):
         dimension = getattr(entry.spec, "dimension", "")
-        words = KnownValues(entry.scope).words(found, dimension)
+        words = KnownValues(entry.scope).words(read, dimension)
         return f"{_named(entry)} {words}".strip()
-    if isinstance(found, float) and isinstance(entry.spec, Value):
+    if isinstance(read, float) and isinstance(entry.spec, Value):
         unit = "" if entry.spec.dimension == "1" else f" {expected_unit(entry.spec.dimension)}"
-        now = f" = {found:.6g}{unit}" if isinstance(raw, str) else unit
+        now = f" = {read:.6g}{unit}" if isinstance(raw, str) else unit
         return f"{_named(entry)} {code(raw)}{now}"
     return key_words(entry) if isinstance(entry.path[-1], str) else ""
 
@@ -317,7 +317,7 @@ def _parameter(place: NamedPlace, scope: Scope, names: NamesInText) -> str:
     raw = scope.table("parameters").get(place.name)
     known = KnownValues(scope)
     parameter = known.parameters.get(place.name)
-    uses = sum(one.home == place.home and not one.is_definition for one in names.places)
+    uses = sum(other.home == place.home and not other.is_definition for other in names.places)
     used = "not used" if not uses else f"used in {uses} place{'s' if uses > 1 else ''}"
     if raw is None:
         return f"parameter {code(place.name)}, which is not defined here; {used}"
@@ -340,10 +340,10 @@ def _parameter(place: NamedPlace, scope: Scope, names: NamesInText) -> str:
 def _node(place: NamedPlace, scope: Scope, names: NamesInText) -> str:
     depth = len(scope.path)
     owners: dict[str, None] = {}
-    for one in names.places:
-        if one.home != place.home or one.path[:depth] != scope.path or len(one.path) < depth + 2:
+    for other in names.places:
+        if other.home != place.home or other.path[:depth] != scope.path or len(other.path) < depth + 2:
             continue
-        section, name = one.path[depth : depth + 2]
+        section, name = other.path[depth : depth + 2]
         if section == "elements":
             raw = scope.table("elements").get(str(name))
             kind = str(raw.get("type", "")).replace("_", " ") if isinstance(raw, Mapping) else ""
@@ -367,9 +367,9 @@ def _inertia(place: NamedPlace, scope: Scope, names: NamesInText) -> str:
     from torsionnet.model.sections import ELEMENTS
 
     depth = len(scope.path)
-    there = {str(one.path[depth + 1]) for one in names.places
-             if one.home == place.home and one.path[depth : depth + 1] == ("elements",)}  # fmt: skip
-    raw = {name: one for name, one in scope.table("elements").items() if name in there}
+    there = {str(other.path[depth + 1]) for other in names.places
+             if other.home == place.home and other.path[depth : depth + 1] == ("elements",)}  # fmt: skip
+    raw = {name: element for name, element in scope.table("elements").items() if name in there}
     elements = ELEMENTS.read(raw)[0] if raw else {}
     value = Values(KnownValues(scope).values)
     total, unknown = 0.0, len(elements) < len(raw)
@@ -377,9 +377,9 @@ def _inertia(place: NamedPlace, scope: Scope, names: NamesInText) -> str:
         try:
             parts = element.parts(value) if element.enabled else ()
             total += sum(
-                float(one.inertia) * float(one.row[place.name]) ** 2
-                for one in parts
-                if isinstance(one, Law) and list(one.row) == [place.name]
+                float(part.inertia) * float(part.row[place.name]) ** 2
+                for part in parts
+                if isinstance(part, Law) and list(part.row) == [place.name]
             )
         except (TorsionnetError, ArithmeticError, KeyError, TypeError):
             unknown = True
@@ -428,9 +428,9 @@ def _other(place: NamedPlace, scope: Scope) -> str:
     if isinstance(entry.get("description"), str):
         head += f": {prose(entry['description'])}"
     shown = [
-        f"{code(key)}: {code(_flat(one))}"
-        for key, one in entry.items()
-        if key != "description" and (not isinstance(one, Mapping | list) or len(one) <= 3)
+        f"{code(key)}: {code(_flat(entry_value))}"
+        for key, entry_value in entry.items()
+        if key != "description" and (not isinstance(entry_value, Mapping | list) or len(entry_value) <= 3)
     ]
     return "\n\n".join([head, *([", ".join(shown[:MOST_LISTED])] if shown else [])])
 
@@ -438,7 +438,7 @@ def _other(place: NamedPlace, scope: Scope) -> str:
 def _flat(value: Any) -> str:
     """Text of a short value in one line."""
     if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{key}: {_flat(one)}" for key, one in value.items()) + "}"
+        return "{" + ", ".join(f"{key}: {_flat(inner)}" for key, inner in value.items()) + "}"
     if isinstance(value, list):
         return "[" + ", ".join(map(_flat, value)) + "]"
     return "" if value is None else str(value).lower() if isinstance(value, bool) else str(value)

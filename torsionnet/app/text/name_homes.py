@@ -37,8 +37,8 @@ class Scope:
 
     def table(self, section: str) -> Mapping[str, Any]:
         """Entries of a section by name, as they are written; empty where there is no such section."""
-        found = self.data.get(section)
-        return found if isinstance(found, Mapping) else {}
+        table = self.data.get(section)
+        return table if isinstance(table, Mapping) else {}
 
     @cached_property
     def recorder(self) -> Recorder:
@@ -160,8 +160,8 @@ def homes(mention: Mention, scope: Scope, root: LocatedNode) -> Iterator[NameHom
 def part_scope(part: str, root: LocatedNode) -> Scope | None:
     """Scope of a part that the document itself holds, else None."""
     parts = root.value.get("parts")
-    found = parts.get(part) if isinstance(parts, Mapping) else None
-    return Scope(("parts", part), found) if isinstance(found, Mapping) else None
+    raw = parts.get(part) if isinstance(parts, Mapping) else None
+    return Scope(("parts", part), raw) if isinstance(raw, Mapping) else None
 
 
 def _thing(kind: str, name: str, scope: Scope, root: LocatedNode) -> Iterator[NameHome]:
@@ -176,10 +176,10 @@ def _thing(kind: str, name: str, scope: Scope, root: LocatedNode) -> Iterator[Na
         yield NameHome("use", use, (*scope.path, "use", use))
         entries = scope.table("use")[use]
         inner = part_scope(str(entries.get("part")), root) if isinstance(entries, Mapping) else None
-        for one in _thing(kind, rest, inner, root) if inner else ():
-            yield one._replace(start=one.start + len(first) + 1)
+        for piece in _thing(kind, rest, inner, root) if inner else ():
+            yield piece._replace(start=piece.start + len(first) + 1)
         return
-    owner = next((one for one in _heads(name) if one in scope.table("elements")), None)
+    owner = next((piece for piece in _heads(name) if piece in scope.table("elements")), None)
     if owner is None or kind not in ("node", "element", "parameter"):
         yield NameHome(kind, name, (*scope.path, section, name))
     else:
@@ -236,20 +236,20 @@ def changed_section(key: str, scope: Scope) -> ChangedSection | None:
     name, _, entry = key.rpartition(".")
     if key in scope.table("parameters"):
         return None
-    found: list[ChangedSection] = []
+    sections: list[ChangedSection] = []
     for section, table in changeable_sections().items():
         raw = scope.table(section).get(name)
         if raw is not None:
             cls = _class_of(table.of, raw)
             spec = dict(cls.specs()).get(entry) if cls else None
-            found.append(ChangedSection(section[:-1], name, (*scope.path, section, name), spec))
-    return next((one for one in found if one.spec is not None), found[0] if found else None)
+            sections.append(ChangedSection(section[:-1], name, (*scope.path, section, name), spec))
+    return next((changed for changed in sections if changed.spec is not None), sections[0] if sections else None)
 
 
 def _class_of(spec: Any, raw: object) -> type[Declared] | None:
     kind = raw.get(spec.key) if isinstance(raw, Mapping) else None
-    found: type[Declared] | None = spec.kinds().get(kind) if isinstance(kind, str) else None
-    return found
+    cls: type[Declared] | None = spec.kinds().get(kind) if isinstance(kind, str) else None
+    return cls
 
 
 def _changed_entry(name: str, scope: Scope, root: LocatedNode) -> Iterator[NameHome]:
@@ -267,8 +267,8 @@ def _changed_entry(name: str, scope: Scope, root: LocatedNode) -> Iterator[NameH
     yield NameHome("use", use, (*scope.path, "use", use))
     entries = scope.table("use")[use]
     inner = part_scope(str(entries.get("part")), root) if isinstance(entries, Mapping) else None
-    for one in _changed_entry(rest, inner, root) if inner else ():
-        yield one._replace(start=one.start + len(first) + 1)
+    for piece in _changed_entry(rest, inner, root) if inner else ():
+        yield piece._replace(start=piece.start + len(first) + 1)
 
 
 def _axis(name: str, scope: Scope) -> Iterator[NameHome]:
@@ -290,9 +290,9 @@ def _alternative(name: str, axis: str, scope: Scope) -> Iterator[NameHome]:
         if name in table:
             yield NameHome("configuration", name, (*scope.path, "configurations", DEFAULT_AXIS, name))
         return
-    for one, alternatives in table.items():
-        if axis in ("", one) and isinstance(alternatives, Mapping) and name in alternatives:
-            yield NameHome("configuration", name, (*scope.path, "configurations", one, name))
+    for axis_name, alternatives in table.items():
+        if axis in ("", axis_name) and isinstance(alternatives, Mapping) and name in alternatives:
+            yield NameHome("configuration", name, (*scope.path, "configurations", axis_name, name))
 
 
 # Keys of the entries that are read as a whole, as a damping measure; they name nothing in a model.
@@ -302,9 +302,11 @@ def properties_of(spec: Spec[Any]) -> Mapping[Any, Any]:
     """JSON Schema of each key of an entry that is read as a whole, empty where it has none."""
     schema: Any = spec.schema()
     definitions: Any = spec.definitions()
-    for one in (schema, *schema.get("anyOf", ()), *definitions.values()):
-        found = definitions.get(one["$ref"].rpartition("/")[2], {}) if "$ref" in one else one
-        for inner in (found, *found.get("anyOf", ())):
+    for alternative in (schema, *schema.get("anyOf", ()), *definitions.values()):
+        schema_of = (
+            definitions.get(alternative["$ref"].rpartition("/")[2], {}) if "$ref" in alternative else alternative
+        )
+        for inner in (schema_of, *schema_of.get("anyOf", ())):
             if isinstance(inner.get("properties"), Mapping):
                 properties: Mapping[Any, Any] = inner["properties"]
                 return properties
@@ -357,17 +359,17 @@ class TextStretches:
         """
         words = [word for place in places for word in self._words(place)]
         free = [True] * len(words)
-        found: list[TextSpan | None] = []
+        stretches: list[TextSpan | None] = []
         last = -1
         for name in names:
             fitting = [at for at, (word, _) in enumerate(words) if word == name and free[at]]
             at = next((at for at in fitting if at > last), fitting[0] if fitting else -1)
             if at < 0:
-                found.append(None)
+                stretches.append(None)
                 continue
             free[at], last = False, at
-            found.append(words[at][1])
-        return found
+            stretches.append(words[at][1])
+        return stretches
 
     def _words(self, place: Place) -> Iterator[tuple[str, TextSpan]]:
         span = self.whole(place)

@@ -91,11 +91,11 @@ class NamesInText:
 
         document = tolerant_document(text.removeprefix("\ufeff"), file)
         stretches = TextStretches(TextLines(text), 1 if text.startswith("\ufeff") else 0)
-        found = cls(document.root, stretches)
+        names = cls(document.root, stretches)
         if document.root is not None and isinstance(document.root.value, Mapping):
             with files_beside(None):  # what other files hold names nothing here
-                found.places = _Walk(document.root, stretches, found.unplaced).places()
-        return found
+                names.places = _Walk(document.root, stretches, names.unplaced).places()
+        return names
 
 
 class _Walk:
@@ -115,18 +115,20 @@ class _Walk:
         for name, part in parts.entries.items() if parts else ():
             if isinstance(part.value, Mapping):
                 self.sections(part, Part.entry_specs(part.value), Scope(("parts", name), part.value))
-        return self.with_first_mentions(sorted(self.found.values(), key=lambda one: one.span))
+        return self.with_first_mentions(sorted(self.found.values(), key=lambda place: place.span))
 
     @staticmethod
     def with_first_mentions(places: list[NamedPlace]) -> tuple[NamedPlace, ...]:
         """Places in order, with the first mention of what has no entry of its own as its definition."""
         first: dict[EntryPath, NamedPlace] = {}
-        for one in places:
-            known = first.get(one.home)
-            is_first = known is None or (_in_element(one) and not _in_element(known))
-            if one.kind in ("node", "channel") and is_first:
-                first[one.home] = one
-        return tuple(replace(one, is_definition=True) if first.get(one.home) is one else one for one in places)
+        for place in places:
+            known = first.get(place.home)
+            is_first = known is None or (_in_element(place) and not _in_element(known))
+            if place.kind in ("node", "channel") and is_first:
+                first[place.home] = place
+        return tuple(
+            replace(place, is_definition=True) if first.get(place.home) is place else place for place in places
+        )
 
     def sections(self, node: LocatedNode, specs: Mapping[Any, Spec[Any]], scope: Scope) -> None:
         for section, table in node.entries.items():
@@ -153,9 +155,9 @@ class _Walk:
             home = (*path, name) if is_axis else (*path, DEFAULT_AXIS, name)
             kind = "axis" if is_axis else "configuration"
             self.defined(str(name), kind, self.stretches.whole(entry.key_place), home)
-            for label, one in entry.entries.items() if is_axis else ():
-                if one.key_place:
-                    span = self.stretches.whole(one.key_place)
+            for label, alternative in entry.entries.items() if is_axis else ():
+                if alternative.key_place:
+                    span = self.stretches.whole(alternative.key_place)
                     self.defined(str(label), "configuration", span, (*path, name, label))
         self.entry(spec, table, path, scope)
 
@@ -177,30 +179,30 @@ class _Walk:
                 fixed = properties_of(spec) if isinstance(raw, Mapping) else ()
                 self.mentioned(mentions, [*scalar_places(node, fixed)], path, scope)
             return
-        for key, one in node.entries.items():
+        for key, child in node.entries.items():
             below = (*path, key)
-            if key in keys and one.key_place:
-                self.mentioned(scope.recorder.mentions(keys[key], key), [one.key_place], below, scope)
+            if key in keys and child.key_place:
+                self.mentioned(scope.recorder.mentions(keys[key], key), [child.key_place], below, scope)
             within = inner.get(key) or self.changed(key, scope)
             if within is not None:
-                self.entry(within, one, below, scope)
+                self.entry(within, child, below, scope)
 
     @staticmethod
     def changed(key: object, scope: Scope) -> Spec[Any] | None:
         """Specification of an entry that an alternative changes, as ``engine.misfire``; None for another key."""
-        found = changed_section(str(key), scope) if "." in str(key) else None
-        return found and found.spec
+        section = changed_section(str(key), scope) if "." in str(key) else None
+        return section and section.spec
 
     def mentioned(self, mentions: list[Mention], places: Sequence[Place], path: EntryPath, scope: Scope) -> None:
-        spans = self.stretches.located(places, [one.name for one in mentions]) if mentions else []
+        spans = self.stretches.located(places, [mention.name for mention in mentions]) if mentions else []
         for mention, span in zip(mentions, spans, strict=True):
-            for one in homes(mention, scope, self.root):
+            for home in homes(mention, scope, self.root):
                 if span is None:
                     is_elsewhere = any(map(self.stretches.is_alias, places))
-                    self.unplaced.update(() if is_elsewhere else (one.home,))
+                    self.unplaced.update(() if is_elsewhere else (home.home,))
                     continue
-                own = TextSpan(span.start + one.start, span.start + one.start + len(one.name))
-                self.found.setdefault(own, NamedPlace(one.name, one.kind, own, False, path, one.home))
+                own = TextSpan(span.start + home.start, span.start + home.start + len(home.name))
+                self.found.setdefault(own, NamedPlace(home.name, home.kind, own, False, path, home.home))
 
 
 def _in_element(place: NamedPlace) -> bool:
@@ -212,8 +214,8 @@ def _has_words(raw: object) -> bool:
     if isinstance(raw, str):
         return not raw.isdigit()
     if isinstance(raw, Mapping):
-        return any(not str(key).isdigit() or _has_words(one) for key, one in raw.items())
-    return isinstance(raw, list) and any(_has_words(one) for one in raw)
+        return any(not str(key).isdigit() or _has_words(below) for key, below in raw.items())
+    return isinstance(raw, list) and any(_has_words(below) for below in raw)
 
 
 # Definition of what a model text names at a place, the other places that name it, and its renaming in all of them.
@@ -221,22 +223,22 @@ def _has_words(raw: object) -> bool:
 
 def place_at(places: Iterable[NamedPlace], offset: int) -> NamedPlace | None:
     """Place of which the name stands at an offset or ends there, None if there is none."""
-    return next((one for one in places if one.span.start <= offset <= one.span.end), None)
+    return next((place for place in places if place.span.start <= offset <= place.span.end), None)
 
 
 def definition(text: str, offset: int, file: str = "", folder: Path | None = None) -> TextSpan | None:
     """Stretch where the thing named at an offset is defined, None where nothing is named or it is defined elsewhere."""
     places = named_places(text, file, folder)
-    found = place_at(places, offset)
-    same = (one.span for one in places if found is not None and one.is_definition and one.home == found.home)
+    place = place_at(places, offset)
+    same = (other.span for other in places if place is not None and other.is_definition and other.home == place.home)
     return next(same, None)
 
 
 def references(text: str, offset: int, file: str = "", folder: Path | None = None) -> list[TextSpan]:
     """Stretches that name the same thing as the one at an offset, its definition included, in the order of the text."""
     places = named_places(text, file, folder)
-    found = place_at(places, offset)
-    return [] if found is None else [one.span for one in places if one.home == found.home]
+    place = place_at(places, offset)
+    return [] if place is None else [other.span for other in places if other.home == place.home]
 
 
 NOTHING_HERE = "nothing that has a name stands here; put the cursor on a node, a parameter, an element or a sensor"
@@ -253,8 +255,8 @@ def renamable(text: str, offset: int, file: str = "", folder: Path | None = None
     """Stretch of the name at an offset if it can be renamed, else None."""
     del folder
     names = NamesInText.of(text, file)
-    found = place_at(names.places, offset)
-    return None if found is None or _not_here(found, names) else found.span
+    place = place_at(names.places, offset)
+    return None if place is None or _not_here(place, names) else place.span
 
 
 def rename(text: str, offset: int, new: str, file: str = "", folder: Path | None = None) -> list[TextEdit]:
@@ -274,52 +276,52 @@ def rename(text: str, offset: int, new: str, file: str = "", folder: Path | None
     """
     del folder
     names = NamesInText.of(text, file)
-    found = place_at(names.places, offset)
-    if found is None:
+    place = place_at(names.places, offset)
+    if place is None:
         raise UsageError(NOTHING_HERE, kind="unknown-name")
     reasons = {
-        "unknown-name": _not_here(found, names),
-        "invalid-name": _no_name(found, new),
-        "repeated-name": _taken(found, new, names.places),
+        "unknown-name": _not_here(place, names),
+        "invalid-name": _no_name(place, new),
+        "repeated-name": _taken(place, new, names.places),
     }
     for kind, reason in reasons.items():
         if reason:
             raise UsageError(reason, kind=kind)
-    if new == found.name:
+    if new == place.name:
         return []
-    edits = [TextEdit(one.span, new) for one in names.places if one.home == found.home]
+    edits = [TextEdit(other.span, new) for other in names.places if other.home == place.home]
     after = NamesInText.of(edited(text, edits), file)
-    if _homes(names.places, found.home, new) != Counter(one.home for one in after.places):
+    if _homes(names.places, place.home, new) != Counter(other.home for other in after.places):
         raise UsageError(
             f'with the name "{new}" something else would be meant in places; choose another one', kind="ambiguous-name"
         )
     return edits
 
 
-def _not_here(found: NamedPlace, names: NamesInText) -> str:
+def _not_here(place: NamedPlace, names: NamesInText) -> str:
     """Message that something cannot be renamed in this text, empty where it can."""
-    if found.home in names.unplaced:
-        return f'"{found.name}" is spelled with escapes (\\) somewhere; write it out there first'
-    if not any(one.is_definition and one.home == found.home for one in names.places):
-        return f'"{found.name}" is not defined in this text, so it cannot be renamed here'
+    if place.home in names.unplaced:
+        return f'"{place.name}" is spelled with escapes (\\) somewhere; write it out there first'
+    if not any(other.is_definition and other.home == place.home for other in names.places):
+        return f'"{place.name}" is not defined in this text, so it cannot be renamed here'
     return ""
 
 
-def _no_name(found: NamedPlace, new: str) -> str:
+def _no_name(place: NamedPlace, new: str) -> str:
     """Message that a text is no name for something of that kind, empty where it is one."""
-    if found.kind in _CHOICES:
+    if place.kind in _CHOICES:
         wrong = not new or not new.isprintable() or any(mark in new for mark in ",= \t:#{}[]&*!|>'\"%@`\\")
         return f'"{new}" is no name for a configuration: no spaces, commas, = or signs of YAML' if wrong else ""
-    if found.kind in ("use", "part") and "." in new:
+    if place.kind in ("use", "part") and "." in new:
         return f'"{new}" has a dot; that stands between the name of a part and what is in it'
-    is_value = found.kind in ("parameter", "use")
+    is_value = place.kind in ("parameter", "use")
     unfit = check_name(new) if is_value else name_fault(new)
     reason = fault_of(unfit).message if unfit else ""
     if not reason and new == "ground":
         reason = '"ground" is the node that never moves; choose another name'
-    if not reason and "." in new and "." not in found.name:
+    if not reason and "." in new and "." not in place.name:
         reason = f'"{new}" has a dot, which stands between the name of a part and what is in it; use _ instead'
-    if not reason and found.kind == "parameter" and len(new) > 1 and _is_unit(new):
+    if not reason and place.kind == "parameter" and len(new) > 1 and _is_unit(new):
         reason = f'"{new}" is a unit; choose another name for the parameter'
     return reason
 
@@ -332,18 +334,18 @@ def _is_unit(word: str) -> bool:
     return True
 
 
-def _taken(found: NamedPlace, new: str, places: Iterable[NamedPlace]) -> str:
+def _taken(place: NamedPlace, new: str, places: Iterable[NamedPlace]) -> str:
     """Message that a name is that of something else already, empty where it is free."""
-    if new == found.name:
+    if new == place.name:
         return ""
-    kinds = next((group for group in _TOGETHER if found.kind in group), (found.kind,))
-    depth = len(found.home) - (1 if found.kind == "configuration" else 2)
-    for one in places:
-        if one.name == new and one.kind in kinds and one.home[:depth] == found.home[:depth]:
-            if one.kind == "use":
+    kinds = next((group for group in _TOGETHER if place.kind in group), (place.kind,))
+    depth = len(place.home) - (1 if place.kind == "configuration" else 2)
+    for other in places:
+        if other.name == new and other.kind in kinds and other.home[:depth] == place.home[:depth]:
+            if other.kind == "use":
                 return f'"{new}" is a part used in this model already; choose another name'
-            article = "an" if one.kind[0] in "aeiou" else "a"
-            return f'"{new}" is {article} {one.kind} of this model already; choose another name'
+            article = "an" if other.kind[0] in "aeiou" else "a"
+            return f'"{new}" is {article} {other.kind} of this model already; choose another name'
     return ""
 
 
@@ -353,4 +355,4 @@ def _homes(places: Iterable[NamedPlace], home: EntryPath, new: str) -> Counter[E
     def changed(path: EntryPath) -> EntryPath:
         return (*home[:-1], new, *path[len(home) :]) if path[: len(home)] == home else path
 
-    return Counter(changed(one.home) for one in places)
+    return Counter(changed(place.home) for place in places)

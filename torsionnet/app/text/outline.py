@@ -53,18 +53,18 @@ class _Outline:
     def __init__(self, names: NamesInText) -> None:
         self.names = names
         self.nodes: dict[EntryPath, list[NamedPlace]] = {}
-        for one in names.places:
-            if one.kind == "node":
-                for length in range(2, len(one.path)):
-                    self.nodes.setdefault(one.path[:length], []).append(one)
+        for place in names.places:
+            if place.kind == "node":
+                for length in range(2, len(place.path)):
+                    self.nodes.setdefault(place.path[:length], []).append(place)
 
     def sections(self, node: LocatedNode, path: EntryPath) -> Iterator[OutlineItem]:
         """Sections of a model or part."""
         for key, entry in node.entries.items():
             section = str(key)
             kind = "axis" if section == "configurations" else SECTION_KINDS.get(section, "")
-            below = [self.thing(entry, (*path, key, name), one, kind) for name, one in entry.entries.items()]
-            children = tuple(one for one in below if one is not None) if kind else ()
+            below = [self.thing(entry, (*path, key, name), thing, kind) for name, thing in entry.entries.items()]
+            children = tuple(thing for thing in below if thing is not None) if kind else ()
             item = self.item(entry, section, "section", _shown(entry.value) if not kind else "", children)
             if item is not None:
                 yield item
@@ -74,8 +74,8 @@ class _Outline:
         name = str(path[-1])
         if kind == "element":
             places = self.nodes.get(path, [])
-            nodes = tuple(OutlineItem(one.name, "node", "", one.span, one.span) for one in places)
-            return self.item(node, name, kind, _element_words(node.value, [one.name for one in nodes]), nodes)
+            nodes = tuple(OutlineItem(named.name, "node", "", named.span, named.span) for named in places)
+            return self.item(node, name, kind, _element_words(node.value, [named.name for named in nodes]), nodes)
         if kind == "part":
             return self.item(node, name, kind, _shown(node.value), tuple(self.sections(node, path)))
         if kind == "axis":
@@ -89,9 +89,10 @@ class _Outline:
         if not has_axes(whole.value):
             return self.item(node, name, "configuration", _shown(node.value), ())
         below = [
-            self.item(one, str(label), "configuration", _shown(one.value), ()) for label, one in node.entries.items()
+            self.item(alternative, str(label), "configuration", _shown(alternative.value), ())
+            for label, alternative in node.entries.items()
         ]
-        return self.item(node, name, "axis", "", tuple(one for one in below if one is not None))
+        return self.item(node, name, "axis", "", tuple(alternative for alternative in below if alternative is not None))
 
     def item(
         self, node: LocatedNode, name: str, kind: str, detail: str, children: tuple[OutlineItem, ...]
@@ -102,7 +103,7 @@ class _Outline:
         name_span = self.names.stretches.whole(node.key_place)
         start, end = self.names.stretches.span(node.key_place).start, self.names.stretches.span(node.place).end
         text = self.names.stretches.lines.text
-        end = max(len(text[:end].rstrip()), name_span.end, *(one.span.end for one in children), 0)
+        end = max(len(text[:end].rstrip()), name_span.end, *(child.span.end for child in children), 0)
         return OutlineItem(name, kind, detail, TextSpan(start, end), name_span, children)
 
 
@@ -122,8 +123,8 @@ def _shown(raw: Any) -> str:
     for key in ("value", "type", "rule", "part"):
         if isinstance(raw.get(key), str | int | float):
             return _short(str(raw[key]))
-    if len(raw) <= 3 and all(isinstance(one, str | int | float) for one in raw.values()):
-        return _short(", ".join(f"{key} {one}" for key, one in raw.items()))
+    if len(raw) <= 3 and all(isinstance(inner, str | int | float) for inner in raw.values()):
+        return _short(", ".join(f"{key} {inner}" for key, inner in raw.items()))
     return ""
 
 
@@ -163,9 +164,9 @@ def hover(text: str, offset: int, file: str = "", folder: Path | None = None) ->
         words = thing_words(place, names)
         if words:
             return Hover(words, place.span)
-    found = entry_under(names, offset)
-    if found is None:
+    under = entry_under(names, offset)
+    if under is None:
         return None
     with files_beside(folder):
-        words = key_words(found) if found.on_key else value_words(found)
-    return Hover(words, found.span) if words else None
+        words = key_words(under) if under.on_key else value_words(under)
+    return Hover(words, under.span) if words else None

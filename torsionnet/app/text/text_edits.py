@@ -72,7 +72,7 @@ class TextLines:
     @cached_property
     def starts(self) -> list[int]:
         """Offsets of the first character of each line."""
-        return [0, *(found.end() for found in _BREAK.finditer(self.text))]
+        return [0, *(line_end.end() for line_end in _BREAK.finditer(self.text))]
 
     def offset(self, line: int, column: int) -> int:
         """Offset of a place, at most that of the end of its line or of the text."""
@@ -126,8 +126,8 @@ class WrittenText:
     @cached_property
     def line_break(self) -> str:
         """Break between the lines of the text."""
-        found = re.search("\r\n|\r|\n", self.text)
-        return found[0] if found else "\n"
+        line_end = re.search("\r\n|\r|\n", self.text)
+        return line_end[0] if line_end else "\n"
 
     def node(self, path: EntryPath) -> LocatedNode:
         """Value at a path with its place; UsageError where there is none."""
@@ -221,7 +221,7 @@ class WrittenText:
 
     def is_shared(self, node: LocatedNode) -> bool:
         """Whether two entries of a value in brackets begin on the same line."""
-        lines = [self.lines.place(self.key_start(one))[0] for one in node.entries.values()]
+        lines = [self.lines.place(self.key_start(child))[0] for child in node.entries.values()]
         return len(set(lines)) < len(lines)
 
     def line_end(self, line: int) -> int:
@@ -238,7 +238,7 @@ class WrittenText:
         """Number of the last line of an entry in block style, with the comments that are indented below it."""
         column = self.lines.place(self.key_start(node))[1]
         last, _ = self.lines.place(self.end(node))
-        while (found := _COMMENT.match(self.line(last + 1))) and found.end() - 1 > column:
+        while (comment := _COMMENT.match(self.line(last + 1))) and comment.end() - 1 > column:
             last += 1
         return last
 
@@ -246,7 +246,7 @@ class WrittenText:
         """Number of the first line of an entry, with the comments directly above it."""
         first, column = self.lines.place(self.key_start(node))
         column = len(self.line(first)) - len(self.line(first).lstrip())
-        while (found := _COMMENT.match(self.line(first - 1))) and found.end() - 1 == column and first > 1:
+        while (comment := _COMMENT.match(self.line(first - 1))) and comment.end() - 1 == column and first > 1:
             first -= 1
         return first
 
@@ -292,10 +292,10 @@ class WrittenText:
         stop = self.lines.starts[last + 1] if last + 1 < len(self.lines.starts) else len(self.text)
         edits = [TextEdit(TextSpan(self.lines.starts[first], stop), "")]
         if following is None and before is not None and comma is None:
-            found = _TO_COMMA.match(self.text, self.end(before))
-            if found and found.end() <= edits[0].span.start:
-                edits.insert(0, TextEdit(TextSpan(self.end(before), found.end()), ""))
-            elif found is None:  # the comma stands on another line
+            comma_before = _TO_COMMA.match(self.text, self.end(before))
+            if comma_before and comma_before.end() <= edits[0].span.start:
+                edits.insert(0, TextEdit(TextSpan(self.end(before), comma_before.end()), ""))
+            elif comma_before is None:  # the comma stands on another line
                 return [TextEdit(TextSpan(self.end(before), end), "")]
         return edits
 
@@ -331,7 +331,9 @@ def as_parameter(text: str, element: str, entry: str, symbol: str, file: str = "
     parameters = node_at(document, ("parameters",))
     taken = parameters.entries if parameters else {}
     stem = plain_name(f"{symbol}_{element}")
-    name = next(one for number in count(1) if (one := stem if number == 1 else f"{stem}_{number}") not in taken)
+    name = next(
+        candidate for number in count(1) if (candidate := stem if number == 1 else f"{stem}_{number}") not in taken
+    )
     use = written.replacement(("elements", element, entry), name)
     if parameters:
         return [written.insertion(("parameters",), name, node.value), use]

@@ -60,7 +60,7 @@ def _certain_faults(document: LocatedDocument, text: str, folder: Path | None) -
     with files_beside(folder):
         include_parts(document)
         definition, faults = define(document.data)
-    for fault in (one for check in names.CHECKS for one in check(definition)):
+    for fault in (fault for check in names.CHECKS for fault in check(definition)):
         # The copies that a use makes have names with dots that no text has; a name that stands twice is defined there.
         word = rf"(?<!\w){re.escape(fault.about)}(?!\w)"
         if fault.kind in UNKNOWN_NAMES and "." not in fault.about and len(re.findall(word, text)) < 2:
@@ -81,15 +81,15 @@ def _lost_sections(document: LocatedDocument, home: EntryPath) -> set[str | int]
 
 def _entry_at_line(document: LocatedDocument, line: int) -> EntryPath:
     """Path of the entry of a section, or of the section, in which a line lies."""
-    found: EntryPath = ()
+    path: EntryPath = ()
     node = document.root
-    while node is not None and len(found) < 2:
-        before = [(key, one) for key, one in node.entries.items() if one.key_place and one.key_place[0] <= line]
+    while node is not None and len(path) < 2:
+        before = [(key, child) for key, child in node.entries.items() if child.key_place and child.key_place[0] <= line]
         if not before:
-            return found
-        key, node = max(before, key=lambda one: one[1].key_place or ())
-        found = (*found, key)
-    return found
+            return path
+        key, node = max(before, key=lambda child: child[1].key_place or ())
+        path = (*path, key)
+    return path
 
 
 def _line_with_text(document: LocatedDocument, line: int, step: int) -> int:
@@ -145,28 +145,30 @@ def text_faults(text: str, file: str = "", folder: Path | None = None) -> list[L
     return stretched_faults(text, read_text(text, file, folder, unstable_configurations)[1], file, folder)
 
 
-def stretched_faults(text: str, found: list[Fault], file: str = "", folder: Path | None = None) -> list[LocatedFault]:
+def stretched_faults(text: str, faults: list[Fault], file: str = "", folder: Path | None = None) -> list[LocatedFault]:
     """Faults that reading a model text has found, each with its stretch and its fixes.
 
     For those who read the text themselves, for its definition; the rest is that of :func:`text_faults`.
     """
     lines = TextLines(text)
-    if not any(fault.severity != "note" for fault in found):
-        return [_located(fault, lines, file) for fault in found]
+    if not any(fault.severity != "note" for fault in faults):
+        return [_located(fault, lines, file) for fault in faults]
     try:
         document = compose(text.removeprefix("\ufeff"), file)
     except ModelError:
         is_short = len(text) <= MOST_RECOVERED
-        rest = partial_faults(text.removeprefix("\ufeff"), file, folder, found[-1]) if is_short else []
-        located = [_located(fault, lines, file) for fault in presentable_faults([*found, *rest])]
+        rest = partial_faults(text.removeprefix("\ufeff"), file, folder, faults[-1]) if is_short else []
+        located = [_located(fault, lines, file) for fault in presentable_faults([*faults, *rest])]
         return [
-            replace(one, fixes=syntax_fixes(one.fault, one.span, lines, file, len(rest))) if one.fault in found else one
-            for one in located
+            replace(placed, fixes=syntax_fixes(placed.fault, placed.span, lines, file, len(rest)))
+            if placed.fault in faults
+            else placed
+            for placed in located
         ]
     written = WrittenText(text, document, file.lower().endswith(".json"))
     many = min(MOST_MENDED, max(_FEWEST_MENDED, _MOST_REREAD // max(1, len(text))))
-    located = [_located(fault, lines, file) for fault in found]
-    mended = [_with_fixes(*pair, written, found) for pair in zip(located[:many], found[:many], strict=True)]
+    located = [_located(fault, lines, file) for fault in faults]
+    mended = [_with_fixes(*pair, written, faults) for pair in zip(located[:many], faults[:many], strict=True)]
     return [*mended, *located[many:]]
 
 
@@ -192,9 +194,9 @@ def _naming(position: Position, lines: TextLines, file: str) -> Position:
     """Position at which a text names the file, or the part of that name, in which a fault stands."""
     other = Path(position.file)
     names = (re.escape(other.name), rf"(?<=part: ){re.escape(other.stem)}", "(?<=include:)")
-    found = next((one for name in names if (one := re.search(rf"(?<!\w){name}(?!\w)", lines.text))), None)
-    line, column = lines.place(found.start() if found else 0)
-    return Position(file, line + 1, column + 1, column + 1 + max(1, len(found[0]) if found else 1))
+    naming = next((match for name in names if (match := re.search(rf"(?<!\w){name}(?!\w)", lines.text))), None)
+    line, column = lines.place(naming.start() if naming else 0)
+    return Position(file, line + 1, column + 1, column + 1 + max(1, len(naming[0]) if naming else 1))
 
 
 def position_span(position: Position | None, lines: TextLines) -> TextSpan:

@@ -141,18 +141,18 @@ class _Mending:
         return True
 
     def colon(self) -> None:
-        found = _COLON.match(self.text, self.at) if self.stack else None
-        if found:
-            self.at = found.end()
+        colon = _COLON.match(self.text, self.at) if self.stack else None
+        if colon:
+            self.at = colon.end()
             self.put(":" if self.text[self.at : self.at + 1].isspace() else ": ", self.at - 1)
             self.state = "value"
 
     def plain(self) -> None:
-        found = (_PLAIN_IN_FLOW if self.stack else _PLAIN_IN_BLOCK).match(self.text, self.at)
-        if found is None:  # a lone colon
+        words_match = (_PLAIN_IN_FLOW if self.stack else _PLAIN_IN_BLOCK).match(self.text, self.at)
+        if words_match is None:  # a lone colon
             self.at += 1
             return
-        start, words = self.at, found[0].rstrip()
+        start, words = self.at, words_match[0].rstrip()
         self.at += len(words)
         if self.stack and _COLON.match(self.text, self.at):
             value, blank, key = words.rpartition(" ")
@@ -214,8 +214,8 @@ def tolerant_document(text: str, file: str = "") -> LocatedDocument:
     document = LocatedDocument(file, _BREAK.split(text[:MOST_CHARACTERS]), faults=faults)
     lines = _readable(document.lines)
     reading = _Reading(lines, document)
-    found = list(reading.entries(0, len(lines), 0))
-    document.root = reading.joined(found, (0, 0, len(lines) - 1, len(lines[-1])), ()) if found else None
+    entries = list(reading.entries(0, len(lines), 0))
+    document.root = reading.joined(entries, (0, 0, len(lines) - 1, len(lines[-1])), ()) if entries else None
     return document
 
 
@@ -229,8 +229,8 @@ def tolerant_data(text: str) -> Any:
     """
     document = LocatedDocument("", _BREAK.split(text[:MOST_CHARACTERS]))
     reading = _Reading(_readable(document.lines), document, has_places=False)
-    found = list(reading.entries(0, len(document.lines), 0))
-    return reading.joined(found, (0, 0, 0, 0), ()).value if found else None
+    entries = list(reading.entries(0, len(document.lines), 0))
+    return reading.joined(entries, (0, 0, 0, 0), ()).value if entries else None
 
 
 def _readable(lines: list[str]) -> list[str]:
@@ -317,21 +317,21 @@ class _Reading:
         line = self.lines[first]
         column = line.index("-")
         self.lines[first] = line[:column] + " " + line[column + 1 :]
-        found = list(self.entries(first, last, depth + 1))
+        entries = list(self.entries(first, last, depth + 1))
         self.lines[first] = line
-        if found:
-            yield None, self.joined(found, (first, column + 2, last - 1, len(self.lines[last - 1])), ())
+        if entries:
+            yield None, self.joined(entries, (first, column + 2, last - 1, len(self.lines[last - 1])), ())
         else:
             yield None, LocatedNode(None, (first, column + 1, first, column + 1), {})
 
     def nested(self, head: re.Match[str], first: int, last: int, depth: int) -> Entry:
         """Entry whose value stands in the lines below its key."""
-        found = list(self.entries(first + 1, last, depth + 1))
+        entries = list(self.entries(first + 1, last, depth + 1))
         key_place = (first, head.start(2), first, head.end(2))
         end = (last - 1, len(self.lines[last - 1]))
-        begin = self._begin(first + 1, last) if found else (first, head.end())
-        node = self.joined(found, (*begin, *(end if found else begin)), ())
-        node = node if found else LocatedNode(None, node.place, {})
+        begin = self._begin(first + 1, last) if entries else (first, head.end())
+        node = self.joined(entries, (*begin, *(end if entries else begin)), ())
+        node = node if entries else LocatedNode(None, node.place, {})
         node.key_place = key_place
         return head[2].strip("\"'"), node
 
@@ -377,12 +377,12 @@ class _Reading:
                 _move_to_origins(root, value, origins, rest, (first, 0))
             yield from self.of(root)
 
-    def joined(self, found: list[Entry], place: Place, path: EntryPath) -> LocatedNode:
+    def joined(self, listed: list[Entry], place: Place, path: EntryPath) -> LocatedNode:
         """Mapping or list of entries; the first one tells which of the two, and of equal keys the first is kept."""
         self.count += 1
         entries: dict[str | int, LocatedNode] = {}
-        is_list = bool(found) and found[0][0] is None
-        for key, node in found:
+        is_list = bool(listed) and listed[0][0] is None
+        for key, node in listed:
             if is_list and key is None:
                 entries[len(entries)] = node
             elif not is_list and key is not None:
@@ -420,12 +420,12 @@ _composed_once = lru_cache(maxsize=4096)(_composed)
 def copy(node: LocatedNode, lines: int) -> LocatedNode:
     """Copy of a value in which all places are some lines further down."""
     line, column, end_line, end_column = node.place
-    entries = {key: copy(one, lines) for key, one in node.entries.items()}
+    entries = {key: copy(child, lines) for key, child in node.entries.items()}
     value = node.value
     if isinstance(value, dict):
-        value = {key: one.value for key, one in entries.items()}
+        value = {key: child.value for key, child in entries.items()}
     elif isinstance(value, list):
-        value = [one.value for one in entries.values()]
+        value = [child.value for child in entries.values()]
     key = node.key_place
     moved = None if key is None else (key[0] + lines, key[1], key[2] + lines, key[3])
     return LocatedNode(value, (line + lines, column, end_line + lines, end_column), entries, node.size, moved)

@@ -14,14 +14,16 @@ def unstable_configurations(definition: Definition) -> list[Fault]:
 
     None, and nothing numerical is loaded, if no element can feed energy into a vibration.
     """
-    found: list[Fault] = []
+    faults_found: list[Fault] = []
     for name, variant in (("", definition), *variants(definition)):
         if not any(element.may_feed for element in variant.active):
             continue
         from torsionnet.linear.assembly.assembled import AssembledModel
         from torsionnet.linear.modes.stability import unstable_modes
 
-        known = {(fault.message, fault.path) for fault in found}
+        known = {(fault.message, fault.path) for fault in faults_found}
         faults = unstable_modes(AssembledModel.from_definition(variant))
-        found += [replace(one, configuration=name) for one in faults if (one.message, one.path) not in known]
-    return found
+        faults_found += [
+            replace(fault, configuration=name) for fault in faults if (fault.message, fault.path) not in known
+        ]
+    return faults_found

@@ -93,10 +93,10 @@ def _with_values(alternatives: Any, parameters: Any) -> Any:
     if not isinstance(alternatives, Mapping) or not isinstance(parameters, Mapping):
         return alternatives
     return {
-        name: {key: 0 if value is None and key in parameters else value for key, value in one.items()}
-        if isinstance(one, Mapping)
-        else one
-        for name, one in alternatives.items()
+        name: {key: 0 if value is None and key in parameters else value for key, value in changes.items()}
+        if isinstance(changes, Mapping)
+        else changes
+        for name, changes in alternatives.items()
     }
 
 
@@ -121,8 +121,8 @@ def inner_spec(spec: Spec[Any], raw: Any, step: str | int) -> Spec[Any] | None:
         given: Any = [*(raw if isinstance(raw, list) else []), *[None] * (step + 1)]
     else:
         given = {**(raw if isinstance(raw, Mapping) else {}), step: _inner_data(raw, step)}
-    found = spec.entry_specs(given).get(step)
-    return found if found is not None else _of_whole(spec, step)
+    inner = spec.entry_specs(given).get(step)
+    return inner if inner is not None else _of_whole(spec, step)
 
 
 def _of_whole(spec: Spec[Any], step: str | int) -> Spec[Any] | None:
@@ -159,8 +159,8 @@ def class_at(place: EntryPlace) -> type[Declared] | None:
     """Class of the object that stands at a place, None where it is not known or none."""
     spec = place.spec
     if isinstance(spec, Nested):
-        found: type[Declared] = spec.of()
-        return found
+        nested: type[Declared] = spec.of()
+        return nested
     if isinstance(spec, Typed) and isinstance(place.data, Mapping):
         kind = place.data.get(spec.key)
         kinds: Mapping[str, type[Declared]] = spec.kinds()
@@ -192,12 +192,12 @@ class ModelNames:
     @cached_property
     def own(self) -> Mapping[str, Any]:
         """Data of the model, or of the part in it, whose names count; of a bench file those of its model too."""
-        found: Any = self.data
-        if isinstance(found.get("model"), str) and "elements" not in found:
-            return {**self._model_of_bench(str(found["model"])), **found}
+        data: Any = self.data
+        if isinstance(data.get("model"), str) and "elements" not in data:
+            return {**self._model_of_bench(str(data["model"])), **data}
         for step in self.scope:
-            found = found.get(step) if isinstance(found, Mapping) else None
-        return found if isinstance(found, Mapping) else {}
+            data = data.get(step) if isinstance(data, Mapping) else None
+        return data if isinstance(data, Mapping) else {}
 
     def _model_of_bench(self, name: str) -> Mapping[str, Any]:
         from torsionnet.model.files.library import library_models
@@ -217,15 +217,17 @@ class ModelNames:
     @cached_property
     def nodes(self) -> tuple[str, ...]:
         """Names of the nodes of elements and of uses of parts, without ground."""
-        found = dict.fromkeys(_nodes_of(self.table("elements").values()))
+        nodes = dict.fromkeys(_nodes_of(self.table("elements").values()))
         for _, use in self._uses():
             for at in _table(use, "at").values():
-                found |= dict.fromkeys(one for one in (at if isinstance(at, list) else [at]) if isinstance(one, str))
+                nodes |= dict.fromkeys(
+                    node_name for node_name in (at if isinstance(at, list) else [at]) if isinstance(node_name, str)
+                )
         for prefix, part, joined in self._copies():
             inner = _nodes_of(_table(part, "elements").values())
-            found |= dict.fromkeys(f"{prefix}.{node}" for node in inner if node not in joined)
-        found.pop(GROUND, None)
-        return tuple(found)
+            nodes |= dict.fromkeys(f"{prefix}.{node}" for node in inner if node not in joined)
+        nodes.pop(GROUND, None)
+        return tuple(nodes)
 
     def names(self, section: str) -> tuple[str, ...]:
         """Names in a section of the model, and of those in the parts that it uses, which begin with that of the use."""
@@ -248,7 +250,7 @@ class ModelNames:
         """Data of each part that the model can use, by name: its own ones, those it includes, and the library's."""
         from torsionnet.model.files.library import library_parts
 
-        found = {name: _read(path) for name, path in library_parts().items()}
+        parts = {name: _read(path) for name, path in library_parts().items()}
         with files_beside(self.folder):
             for name in _listed(self.data.get("include"))[:MOST_INCLUDED]:
                 try:
@@ -256,10 +258,10 @@ class ModelNames:
                 except EntryError:
                     continue
                 held = _read(path)
-                found |= {str(key): one for key, one in _table(held, "parts").items() if isinstance(one, Mapping)}
-                found |= {path.stem: held} if "ports" in held else {}
-        own = {str(name): one for name, one in _table(self.data, "parts").items() if isinstance(one, Mapping)}
-        return {**own, **{name: one for name, one in found.items() if name not in own}}
+                parts |= {str(key): part for key, part in _table(held, "parts").items() if isinstance(part, Mapping)}
+                parts |= {path.stem: held} if "ports" in held else {}
+        own = {str(name): part for name, part in _table(self.data, "parts").items() if isinstance(part, Mapping)}
+        return {**own, **{name: part for name, part in parts.items() if name not in own}}
 
     def _uses(self) -> Iterator[tuple[str, Mapping[str, Any]]]:
         yield from ((str(name), use) for name, use in self.table("use").items() if isinstance(use, Mapping))
@@ -328,13 +330,13 @@ def _kinds(spec: Spec[Any] | None) -> tuple[str, ...]:
         ((ExcitationName,), ("excitation",)),
         ((ConfigurationName,), ("configuration",)),
     )
-    found = next((kinds for classes, kinds in table if isinstance(spec, classes)), ())
-    return found or (("node",) if type(spec).__name__ == "OneOrTwoNodes" else ())
+    kinds_named = next((kinds for classes, kinds in table if isinstance(spec, classes)), ())
+    return kinds_named or (("node",) if type(spec).__name__ == "OneOrTwoNodes" else ())
 
 
 def _table(data: Any, section: str) -> Mapping[str, Any]:
-    found = data.get(section) if isinstance(data, Mapping) else None
-    return found if isinstance(found, Mapping) else {}
+    table = data.get(section) if isinstance(data, Mapping) else None
+    return table if isinstance(table, Mapping) else {}
 
 
 def _listed(data: Any) -> list[Any]:
@@ -431,8 +433,8 @@ class Writing:
 
     def entries_around(self) -> Mapping[str, Any]:
         """Data of the table in which the entry stands."""
-        found = self.place.around[-1] if self.place.around else None
-        return found if isinstance(found, Mapping) else {}
+        table = self.place.around[-1] if self.place.around else None
+        return table if isinstance(table, Mapping) else {}
 
 
 def unit_text(spec: Spec[Any]) -> str:

@@ -104,7 +104,7 @@ def _entries(writing: Writing, cls: type[Declared], given: Mapping[Any, Any]) ->
 
 def _key(writing: Writing, name: str, spec: Spec[Any], note: str = "") -> CompletionOption:
     unit = unit_text(spec)
-    detail = ", ".join(one for one in (unit, note) if one)
+    detail = ", ".join(words for words in (unit, note) if words)
     return CompletionOption(name, "entry", _with_colon(writing, name, spec), detail, spec.description)
 
 
@@ -136,7 +136,10 @@ def _changed(writing: Writing, given: Mapping[Any, Any]) -> Iterator[CompletionO
     for section, table in changeable_sections().items():
         kind = section[:-1]
         if not owner:
-            yield from (CompletionOption(f"{one}.", kind, f"{one}.", kind) for one in writing.names.table(section))
+            yield from (
+                CompletionOption(f"{table_name}.", kind, f"{table_name}.", kind)
+                for table_name in writing.names.table(section)
+            )
             continue
         cls = class_at(EntryPlace(table.of, writing.names.table(section).get(owner)))
         for name, spec in cls.specs() if cls else ():
@@ -192,8 +195,8 @@ def _next_nodes(writing: Writing, spec: Spec[Any] | None, is_one: bool) -> str:
     """
     last = writing.names.nodes[-1] if writing.names.nodes else ""
     if isinstance(spec, NodePair):
-        found = re.fullmatch(r"(.*?)((?<![A-Za-z])[A-Ya-y]|)(\d*)", last)
-        stem, letter, digits = found.groups() if found else (last, "", "")
+        pieces = re.fullmatch(r"(.*?)((?<![A-Za-z])[A-Ya-y]|)(\d*)", last)
+        stem, letter, digits = pieces.groups() if pieces else (last, "", "")
         following = f"{stem}{letter}{int(digits) + 1}" if digits else f"{stem}{chr(ord(letter) + 1)}" if letter else ""
         return f"[{last}, {following}]"
     return last if isinstance(spec, NodeName) and is_one else ""
@@ -202,7 +205,7 @@ def _next_nodes(writing: Writing, spec: Spec[Any] | None, is_one: bool) -> str:
 def usual_first(spec: Typed[Any]) -> list[tuple[str, type[Declared]]]:
     """Types with their names, those that most models are made of first."""
     ranks = {name: rank for rank, name in enumerate(USUAL_TYPES)}
-    return sorted(spec.kinds().items(), key=lambda one: ranks.get(one[0], len(ranks)))
+    return sorted(spec.kinds().items(), key=lambda named: ranks.get(named[0], len(ranks)))
 
 
 def kind_of(spec: Typed[Any]) -> str:
@@ -215,8 +218,8 @@ def _neighbours_are_flow(writing: Writing) -> bool:
     indent = " " * writing.context.indent
     own = writing.text.rfind("\n", 0, writing.offset) + 1
     beside = re.compile(rf"^{indent}[^\s#].*?:[ \t]*(\S?)", re.MULTILINE)
-    found = [one[1] for one in beside.finditer(writing.text) if one.start() != own]
-    return "" not in found or "{" in found
+    first_signs = [beside_entry[1] for beside_entry in beside.finditer(writing.text) if beside_entry.start() != own]
+    return "" not in first_signs or "{" in first_signs
 
 
 # Units of a physical quantity that may follow its number.
@@ -243,13 +246,13 @@ def units_of(dimension: str) -> tuple[str, ...]:
     if dimension == "1":
         return ("%",)
     first = expected_unit(dimension)
-    found = [first, *([CELSIUS] if dimension == "temperature" else [])]
+    units = [first, *([CELSIUS] if dimension == "temperature" else [])]
     # A moment without rad could be a torque that was meant to be a stiffness.
-    atoms = [] if "/rad" in first else [one for one in KNOWN_UNITS if one not in _SHARES and _fits(one, dimension)]
+    atoms = [] if "/rad" in first else [atom for atom in KNOWN_UNITS if atom not in _SHARES and _fits(atom, dimension)]
     variants = [unit for unit in _variants(first) if _fits(unit, dimension)]
-    found += [*atoms, *variants] if dimension in ("speed", "frequency") else [*variants, *atoms]
-    found += [unit for name in KNOWN_UNITS for unit in _joined(name, first) if _fits(unit, dimension)]
-    return tuple(dict.fromkeys(found))
+    units += [*atoms, *variants] if dimension in ("speed", "frequency") else [*variants, *atoms]
+    units += [unit for name in KNOWN_UNITS for unit in _joined(name, first) if _fits(unit, dimension)]
+    return tuple(dict.fromkeys(units))
 
 
 def _variants(text: str) -> Iterator[str]:
@@ -339,7 +342,7 @@ def _channels(writing: Writing, spec: ChannelEntry[Any]) -> Iterator[CompletionO
     joined = [
         name for name, raw in writing.names.table("elements").items() if isinstance(raw, Mapping) and "nodes" in raw
     ]
-    for quantity in sorted(spec.quantities, key=lambda one: one != "torque"):
+    for quantity in sorted(spec.quantities, key=lambda kind: kind != "torque"):
         of_element = quantity in ELEMENT_QUANTITIES and spec.made is Sensor
         for name in joined if of_element else writing.names.nodes:
             yield CompletionOption(f"{quantity} of {name}", "sensor", f"{{{quantity}: {name}}}", quantity)
@@ -357,10 +360,10 @@ def _words(spec: Spec[Any], folder: Path | None) -> Iterator[CompletionOption]:
         names = [*_files(folder, "*.yaml"), *library]
         yield from (CompletionOption(name, "word", name, spec.what) for name in names)
     schema: Any = spec.schema()
-    for one in (schema, *schema.get("anyOf", ())):
-        if one.get("type") == "boolean":
+    for allowed in (schema, *schema.get("anyOf", ())):
+        if allowed.get("type") == "boolean":
             yield from (CompletionOption(name, "word", name) for name in ("true", "false"))
-        for value in (*one.get("enum", ()), *([one["const"]] if "const" in one else [])):
+        for value in (*allowed.get("enum", ()), *([allowed["const"]] if "const" in allowed else [])):
             yield CompletionOption(str(value), "word", str(value), "", spec.description)
 
 
@@ -488,19 +491,21 @@ def _units_in_use(writing: Writing) -> tuple[str, ...]:
         if isinstance(kind, str) and parameter in raw.values() and kind in ELEMENT_TYPES:
             specs = dict(ELEMENT_TYPES[kind].specs())
             used = (getattr(specs.get(key), "dimension", None) for key, value in raw.items() if value == parameter)
-            first += [unit for one in used if one in DIMENSIONS for unit in units_of(str(one))]
+            first += [unit for of_use in used if of_use in DIMENSIONS for unit in units_of(str(of_use))]
     written = _written(_part_or_own(writing, parameter))
     own = _dimension(written)
     if own is not None:
         first.append(re.sub(r"^[-+.\d]+(?:[eE][-+]?\d+)?\s*", "", written.strip()))
-    first += [unit for name, one in DIMENSIONS.items() if own is not None and one == own for unit in units_of(name)]
+    first += [
+        unit for name, of_use in DIMENSIONS.items() if own is not None and of_use == own for unit in units_of(name)
+    ]
     by_name = _USUAL_LETTERS.get(parameter.partition("_")[0])
     return tuple(dict.fromkeys([*first, *(units_of(by_name) if by_name and not first else ()), *usual_units()]))
 
 
 def _part_or_own(writing: Writing, parameter: str) -> Any:
     """Value as written of a parameter of the part that is used, or of the model."""
-    around = [one for one in writing.place.around if isinstance(one, Mapping) and "part" in one]
+    around = [data for data in writing.place.around if isinstance(data, Mapping) and "part" in data]
     if around and "use" in writing.place.path:
         table: Any = writing.names.parts.get(str(around[-1]["part"]), {}).get("parameters")
         return table.get(parameter) if isinstance(table, Mapping) else None

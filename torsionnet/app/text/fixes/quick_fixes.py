@@ -90,7 +90,7 @@ def given_twice(place: FaultPlace) -> Iterator[TextFix]:
 
 def unused_parameter(place: FaultPlace) -> Iterator[TextFix]:
     """Parameter deleted that nothing uses; with errors in the text, what cannot be read may be its use."""
-    if place.fault.kind == "unused-name" and not any(one.severity == "error" for one in place.others):
+    if place.fault.kind == "unused-name" and not any(fault.severity == "error" for fault in place.others):
         yield from place.without(place.fault.path)
 
 
@@ -130,11 +130,11 @@ def colon_for_equals(place: FaultPlace) -> Iterator[TextFix]:
     """A colon and a blank between a name and its value, where an equals sign or nothing stands."""
     path, span = place.fault.path, place.span
     if place.remedy(SEPARATE):
-        found = _RUN_TOGETHER.fullmatch(place.shown)
+        pair = _RUN_TOGETHER.fullmatch(place.shown)
     elif place.fault.kind == "wrong-form":
-        found = _NAME_AND_VALUE.fullmatch(place.shown)
+        pair = _NAME_AND_VALUE.fullmatch(place.shown)
     elif place.fault.kind == "unknown-entry":
-        found = _EQUALS.fullmatch(place.shown)
+        pair = _EQUALS.fullmatch(place.shown)
     elif place.fault.kind == "missing-entry":
         node = node_at(place.written.document, path)
         key = next((key for key in (node.entries if node else ()) if re.fullmatch(r"type[\s=:]+\w+", str(key))), "")
@@ -142,12 +142,12 @@ def colon_for_equals(place: FaultPlace) -> Iterator[TextFix]:
             return
         start = place.written.key_start(node.entries[key])
         span = TextSpan(start, start + len(str(key)))
-        found = re.fullmatch(r"(type)([\s=:]+)(\w+)", str(key))
+        pair = re.fullmatch(r"(type)([\s=:]+)(\w+)", str(key))
     else:
         return
-    if found:
-        value = found[found.re.groups]
-        yield from place.fix(f'write "{found[1]}: "', TextEdit(span, f"{found[1]}: {value}"))
+    if pair:
+        value = pair[pair.re.groups]
+        yield from place.fix(f'write "{pair[1]}: "', TextEdit(span, f"{pair[1]}: {value}"))
 
 
 def nodes_in_brackets(place: FaultPlace) -> Iterator[TextFix]:
@@ -165,10 +165,10 @@ def nodes_in_brackets(place: FaultPlace) -> Iterator[TextFix]:
         several = re.match(r"\(?\s*(\w+)\s*[,;]\s*(\w+)\s*\)?(?=\s*([,}]|$))", text[span.start :], re.MULTILINE)
         named = _TWO_NAMES.fullmatch(shown)
         listed = re.fullmatch(r"\[\s*(\w+)\s*[;/-]\s*(\w+)\s*\]", shown)
-        found = listed or several or named
-        if found:
-            new = f"[{found[1]}, {found[2]}]"
-            yield from place.fix(f"write {new}", TextEdit(TextSpan(span.start, span.start + found.end()), new))
+        nodes = listed or several or named
+        if nodes:
+            new = f"[{nodes[1]}, {nodes[2]}]"
+            yield from place.fix(f"write {new}", TextEdit(TextSpan(span.start, span.start + nodes.end()), new))
 
 
 def damper_to_ground(place: FaultPlace) -> Iterator[TextFix]:
@@ -240,11 +240,11 @@ def quick_fixes(
     Each one names what it writes. ``others`` are all faults of the text.
     """
     place = FaultPlace(fault, span, written, others)
-    found: dict[tuple[TextEdit, ...], TextFix] = {}
+    fixes: dict[tuple[TextEdit, ...], TextFix] = {}
     for rule in _RULES:
         try:
             for fix in rule(place):
-                found.setdefault(fix.edits, fix)
+                fixes.setdefault(fix.edits, fix)
         except UsageError:  # the text has no such entry, as where a part or another file has it
             continue
-    return tuple(found.values())
+    return tuple(fixes.values())

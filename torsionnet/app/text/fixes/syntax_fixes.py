@@ -117,10 +117,10 @@ def _tabs(here: _Break) -> Iterator[TextFix]:
         if "\t" in blank:
             edits.append(TextEdit(TextSpan(start, start + len(blank)), blank.replace("\t", "  ")))
     yield TextFix("indent with spaces", tuple(edits))
-    found = re.match(r"[ \t]*", here.line)
-    if found:
+    indent = re.match(r"[ \t]*", here.line)
+    if indent:
         for width in dict.fromkeys(_indents(here)):
-            yield here.replaced("indent with spaces", here.start, here.start + found.end(), " " * width)
+            yield here.replaced("indent with spaces", here.start, here.start + indent.end(), " " * width)
     yield here.replaced("write a blank for the tab", here.offset, here.offset + 1, " ")
 
 
@@ -149,8 +149,8 @@ def _quote(here: _Break) -> Iterator[TextFix]:
     if sign not in ("'", '"'):
         return
     rest = here.text[here.offset + 1 : here.content_end]
-    for found in re.finditer(r"(?=, *\w+ *:)|(?=[}\]]+ *,?$)|$", rest):
-        place = here.offset + 1 + found.start()
+    for gap in re.finditer(r"(?=, *\w+ *:)|(?=[}\]]+ *,?$)|$", rest):
+        place = here.offset + 1 + gap.start()
         yield here.inserted(f"close with {sign}", place, sign)
     yield here.deleted(sign, here.offset, here.offset + 1)
 
@@ -165,15 +165,15 @@ def _bracket(here: _Break) -> Iterator[TextFix]:
     end = max(there.content_end, min(here.offset, len(here.text))) if began else there.content_end
     inside = here.text[opened:end]
     if close == "]":
-        for found in re.finditer(r",\s*\w+\s*:", inside):
-            yield here.inserted("close with ]", opened + found.start(), "]")
-        for found in re.finditer(r"\s*[}]", inside):
-            yield here.inserted("close with ]", opened + found.start(), "]")
+        for gap in re.finditer(r",\s*\w+\s*:", inside):
+            yield here.inserted("close with ]", opened + gap.start(), "]")
+        for gap in re.finditer(r"\s*[}]", inside):
+            yield here.inserted("close with ]", opened + gap.start(), "]")
     yield here.inserted(f"close with {close}", there.content_end, close)
-    for found in re.finditer(r"(?<=[\w\]}\"'])\s+(?=\w+\s*:)", inside):
-        yield here.inserted("insert a comma", opened + found.start(), ",")
-    for found in re.finditer(r"(?<=\w)\s*(?=\{)", inside):
-        yield here.replaced("write a colon before the bracket", opened + found.start(), opened + found.end(), ": ")
+    for gap in re.finditer(r"(?<=[\w\]}\"'])\s+(?=\w+\s*:)", inside):
+        yield here.inserted("insert a comma", opened + gap.start(), ",")
+    for gap in re.finditer(r"(?<=\w)\s*(?=\{)", inside):
+        yield here.replaced("write a colon before the bracket", opened + gap.start(), opened + gap.end(), ": ")
     if here.offset > opened:
         before = len(here.text[: here.offset].rstrip())
         yield here.inserted("insert a comma", before, ",")
@@ -190,9 +190,9 @@ def _surplus(here: _Break) -> Iterator[TextFix]:
 
 
 def _colon(here: _Break) -> Iterator[TextFix]:
-    found = re.compile(r"(\w+)\s*:?\s*").match(here.text, here.offset)
-    if found:
-        yield here.replaced(f'write "{found[1]}: "', here.offset, found.end(), f"{found[1]}: ")
+    key = re.compile(r"(\w+)\s*:?\s*").match(here.text, here.offset)
+    if key:
+        yield here.replaced(f'write "{key[1]}: "', here.offset, key.end(), f"{key[1]}: ")
 
 
 def _missing_colon(here: _Break) -> Iterator[TextFix]:
@@ -216,8 +216,8 @@ def _quoted_value(here: _Break) -> Iterator[TextFix]:
         [here.offset, *starts] if ":" not in here.text[here.offset : here.offset + 1] else starts
     ):
         rest = here.text[start : here.content_end]
-        for found in re.finditer(r"(?=[,}\]])|$", rest):
-            value = rest[: found.start()].rstrip()
+        for close in re.finditer(r"(?=[,}\]])|$", rest):
+            value = rest[: close.start()].rstrip()
             if value and '"' not in value and "\\" not in value:
                 fix = here.replaced("put the text in quotes", start, start + len(value), f'"{value}"')
                 yield replace(fix, hides=True)
@@ -225,45 +225,45 @@ def _quoted_value(here: _Break) -> Iterator[TextFix]:
 
 def _opening(here: _Break) -> Iterator[TextFix]:
     """The opening bracket of a value that ends with one."""
-    found = re.match(r"\s*(- )?[^:#\s]+:\s+(?=\w)", here.line)
+    key = re.match(r"\s*(- )?[^:#\s]+:\s+(?=\w)", here.line)
     close = here.text[here.content_end - 1 : here.content_end]
-    if found and close in ("}", "]"):
-        yield here.inserted(f"insert {_PAIRS[close]}", here.start + found.end(), _PAIRS[close])
+    if key and close in ("}", "]"):
+        yield here.inserted(f"insert {_PAIRS[close]}", here.start + key.end(), _PAIRS[close])
 
 
 def _joined(here: _Break) -> Iterator[TextFix]:
     """A line break before a section of a model that begins in the middle of a line."""
     sections = "|".join(("torsionnet", *dict(Definition.specs())))
-    for found in re.finditer(rf"(?<=[^\s{{,])[ \t]*(?=({sections}):)", here.line):
-        start = here.start + found.start()
-        yield here.replaced(f"begin {found[1]} on a line of its own", start, here.start + found.end(), "\n")
+    for gap in re.finditer(rf"(?<=[^\s{{,])[ \t]*(?=({sections}):)", here.line):
+        start = here.start + gap.start()
+        yield here.replaced(f"begin {gap[1]} on a line of its own", start, here.start + gap.end(), "\n")
 
 
 def _behind(here: _Break) -> Iterator[TextFix]:
     """Fix that deletes what stands behind a value in brackets."""
-    found = re.search(r"(?<=[}\]])[^}\]\s,#]+$", here.text[here.start : here.content_end])
-    if found:
-        start = here.start + found.start()
-        yield here.deleted(found[0], start, start + len(found[0]))
+    behind = re.search(r"(?<=[}\]])[^}\]\s,#]+$", here.text[here.start : here.content_end])
+    if behind:
+        start = here.start + behind.start()
+        yield here.deleted(behind[0], start, start + len(behind[0]))
 
 
 def _single_quotes(here: _Break) -> Iterator[TextFix]:
-    for found in re.finditer(r'"([^"]*)"', here.line):
-        if "\\" in found[1] and "'" not in found[1]:
-            start = here.start + found.start()
-            yield here.replaced("use single quotes", start, here.start + found.end(), f"'{found[1]}'")
+    for quoted in re.finditer(r'"([^"]*)"', here.line):
+        if "\\" in quoted[1] and "'" not in quoted[1]:
+            start = here.start + quoted.start()
+            yield here.replaced("use single quotes", start, here.start + quoted.end(), f"'{quoted[1]}'")
 
 
 def _tag(here: _Break) -> Iterator[TextFix]:
-    found = re.compile(r"!\S*[ \t]*").match(here.text, here.offset)
-    if found:
-        yield here.deleted(found[0].strip(), here.offset, found.end())
+    tag = re.compile(r"!\S*[ \t]*").match(here.text, here.offset)
+    if tag:
+        yield here.deleted(tag[0].strip(), here.offset, tag.end())
 
 
 def _alias(here: _Break) -> Iterator[TextFix]:
-    found = re.compile(r"\*(\w+)").match(here.text, here.offset)
-    if found and re.search(rf"(?<!\w){found[1]}\s*:", here.text):
-        yield here.replaced(f"write {found[1]}", here.offset, found.end(), found[1])
+    alias = re.compile(r"\*(\w+)").match(here.text, here.offset)
+    if alias and re.search(rf"(?<!\w){alias[1]}\s*:", here.text):
+        yield here.replaced(f"write {alias[1]}", here.offset, alias.end(), alias[1])
 
 
 _RULES = (

@@ -109,18 +109,18 @@ def section_faults(document: LocatedDocument, fault: Fault) -> set[Fault]:
     data = document.data
     section = fault.path[0] if fault.path else ""
     specs = dict(Definition.specs())
-    found = {_bare(one) for one in document.faults}
+    faults = {_bare(other) for other in document.faults}
     if isinstance(data, dict) and (section not in specs or section not in data):
-        return found | {_bare(one) for one in Definition.key_faults(data)}
+        return faults | {_bare(other) for other in Definition.key_faults(data)}
     if not isinstance(data, dict):
-        return found
+        return faults
     raw, spec = data[section], specs[str(section)]
     if isinstance(spec, Named) and isinstance(raw, dict) and len(fault.path) > 1:
         name = fault.path[1]
         raw = {name: raw[name]} if name in raw else {}
         if not raw:
-            return found
-    return found | {_bare(one) for one in spec.read(raw)[1]}
+            return faults
+    return faults | {_bare(other) for other in spec.read(raw)[1]}
 
 
 def _bare(fault: Fault) -> Fault:
@@ -130,8 +130,8 @@ def _bare(fault: Fault) -> Fault:
 
 def word_edits(word: str, text: str, start: int, new: str) -> Iterator[TextEdit]:
     """Edits that replace a word where it stands alone."""
-    for one in re.finditer(rf"(?<![\w.]){re.escape(word)}(?![\w])", text):
-        yield TextEdit(TextSpan(start + one.start(), start + one.end()), new)
+    for place in re.finditer(rf"(?<![\w.]){re.escape(word)}(?![\w])", text):
+        yield TextEdit(TextSpan(start + place.start(), start + place.end()), new)
 
 
 # Examples of values for entries that a model lacks.
@@ -191,8 +191,8 @@ def _texts(value: Any) -> Iterator[str]:
     inner = value.values() if isinstance(value, Mapping) else value if isinstance(value, list) else ()
     if isinstance(value, str):
         yield value
-    for one in inner:
-        yield from _texts(one)
+    for inner_value in inner:
+        yield from _texts(inner_value)
 
 
 # Quick fixes of values: units, decimal commas, forms of numbers and words.
@@ -227,10 +227,10 @@ def point_for_comma(place: FaultPlace) -> Iterator[TextFix]:
         {"": "leave the comma out"} if place.fault.kind == "ambiguous-number" else {}
     )
     start, text = place.span.start, place.written.text
-    found = re.search(r"(\d),(\d)", place.shown)
+    comma_match = re.search(r"(\d),(\d)", place.shown)
     before = re.search(r"\d(\s*,\s*)$", text[:start])
-    comma = start + found.end(1) if found else 0
-    span = TextSpan(comma, comma + 1) if found else TextSpan(before.start(1), start) if before else None
+    comma = start + comma_match.end(1) if comma_match else 0
+    span = TextSpan(comma, comma + 1) if comma_match else TextSpan(before.start(1), start) if before else None
     for sign, title in parts.items():
         if span is not None:
             yield from place.fix(title, TextEdit(span, sign))
