@@ -87,23 +87,29 @@ def turning_test(
                 continue
             called = "_".join(filter(None, (motion.name, name)))
             records[called], numbers[called], faults[called] = record, run.numbers, tuple(run.faults)
-    truths = {one.name: true_record(one, plan, wheels, drivetrain.title) for one in motions}
+    truths = {motion.name: true_record(motion, plan, wheels, drivetrain.title) for motion in motions}
     return TurningTest(
-        records, truths, {name: one.pattern for name, one in wheels.items() if len(one.places) > 1}, numbers, faults
+        records,
+        truths,
+        {name: wheel.pattern for name, wheel in wheels.items() if len(wheel.places) > 1},
+        numbers,
+        faults,
     )
 
 
 def turning_wheels(plan: Plan) -> dict[str, TurningWheel]:
     """Wheels of a plan by the channels of their pickups, each with the places of its teeth that the seed makes."""
-    found: dict[str, TurningWheel] = {}
+    wheels: dict[str, TurningWheel] = {}
     pickups = {name: part for name, part in plan.channels.items() if isinstance(part, ToothedWheel)}
-    for name, part in sorted(pickups.items(), key=lambda one: bool(one[1].wheel)):  # wheels before further pickups
+    for name, part in sorted(
+        pickups.items(), key=lambda pickup: bool(pickup[1].wheel)
+    ):  # wheels before further pickups
         if part.wheel:
-            found[name] = replace(found[part.wheel], channel=name, pickup_angle=part.pickup_angle)
+            wheels[name] = replace(wheels[part.wheel], channel=name, pickup_angle=part.pickup_angle)
             continue
         places = true_places(name, part, _generators([plan.seed], name))
-        found[name] = TurningWheel(name, name, part, part.pickup_angle, places)
-    return {name: found[name] for name in pickups}
+        wheels[name] = TurningWheel(name, name, part, part.pickup_angle, places)
+    return {name: wheels[name] for name in pickups}
 
 
 def true_record(motion: TurningMotion, plan: Plan, wheels: Mapping[str, TurningWheel], title: str) -> Recording:
@@ -117,7 +123,7 @@ def true_record(motion: TurningMotion, plan: Plan, wheels: Mapping[str, TurningW
         Signal(f"{name}{ANGLE}" if name in wheels else name, motion.quantity(name), motion.read(name, times))
         for name in motion.channels
     ]
-    pulses = tuple(PulseChannel(name, one.passages(motion)[0]) for name, one in wheels.items())
+    pulses = tuple(PulseChannel(name, wheel.passages(motion)[0]) for name, wheel in wheels.items())
     notes = (f"truth without errors of measurement; angle 0 of {motion.reference} is where phases are counted from",
              *motion.notes)  # fmt: skip
     return Recording(tuple(signals), plan.acquisition.rate, title=title, notes=notes, pulses=pulses)
@@ -156,7 +162,9 @@ class _Run:
     def record(self) -> Recording:
         """Record of the channels of the system, without title and notes."""
         signals = tuple(self._signals())
-        pulses = tuple(one for name in self.wheels if name in self.system.channels for one in self._pulses(name))
+        pulses = tuple(
+            channel for name in self.wheels if name in self.system.channels for channel in self._pulses(name)
+        )
         return Recording(signals, self.acquisition.rate, pulses=pulses)
 
     def _signals(self) -> Iterator[Signal]:
@@ -266,16 +274,18 @@ class Bench(NotebookResult):
     @property
     def sensors(self) -> Mapping[str, Sensor]:
         """Sensor of the model that each channel reads, by the name of the channel."""
-        found = {name: sensor_of(name, self.plan, self.drivetrain.definition) for name in self.plan.channels}
-        return {name: sensor for name, sensor in found.items() if sensor is not None}
+        sensors = {name: sensor_of(name, self.plan, self.drivetrain.definition) for name in self.plan.channels}
+        return {name: sensor for name, sensor in sensors.items() if sensor is not None}
 
     def configured(self, name: str = "", /, **overrides: Any) -> Bench:
         """Copy of the bench with the drivetrain in another configuration, or with other parameter values.
 
         Numbers of excitations may be given, too, as ``engine.misfire_share.4``.
         """
-        excitations = {one for one in overrides if one.partition(".")[0] in self.drivetrain.definition.excitations}
-        numbers = {one: float(overrides.pop(one)) for one in excitations}
+        excitations = {
+            override for override in overrides if override.partition(".")[0] in self.drivetrain.definition.excitations
+        }
+        numbers = {override: float(overrides.pop(override)) for override in excitations}
         changed = self.drivetrain.configured(name, **overrides) if name or overrides else self.drivetrain
         return replace(self, drivetrain=changed.with_excitation_numbers(numbers) if numbers else changed)
 
@@ -324,7 +334,7 @@ class Bench(NotebookResult):
         if self.plan.motion is None:
             return {"": self.truth}
         wheels = turning_wheels(self.plan)
-        return {one.name: true_record(one, self.plan, wheels, self.drivetrain.title) for one in self.motions}
+        return {motion.name: true_record(motion, self.plan, wheels, self.drivetrain.title) for motion in self.motions}
 
     @cached_property
     def truth(self) -> Recording:

@@ -81,8 +81,8 @@ def _of_its_own(document: LocatedDocument, path: Path) -> Bench:
     data: Mapping[Any, Any] = document.data
     entries, faults = BenchFile.read_entries(data)
     faults = [*version_faults(data, "bench"), *faults]
-    drivetrain, found = _model(entries, path) if "model" in entries else (None, [])
-    faults += found
+    drivetrain, further = _model(entries, path) if "model" in entries else (None, [])
+    faults += further
     plan = entries.get("bench")
     if plan is not None and drivetrain is not None:
         faults += check_plan(plan, drivetrain.definition, values=drivetrain.exact_values)

@@ -152,11 +152,11 @@ def _mean_values(
     definition = drivetrain.definition
     if definition.load is None:
         try:
-            found = drivetrain.mean_response(list(sensors))
+            mean = drivetrain.mean_response(list(sensors))
         except UsageError as error:
             return np.zeros((len(speeds), len(sensors))), [f"mean torques are 0: {error}"]
         note = "mean torques are those of the operating point at every speed"
-        return np.repeat(found.values, len(speeds), axis=0), [note]
+        return np.repeat(mean.values, len(speeds), axis=0), [note]
     own = reference_node(definition)
     scale = 1.0 if own == reference else abs(drivetrain.ratio_between(own, reference))
     # One speed without mean values refuses them all: then each for itself, so that the others keep theirs.

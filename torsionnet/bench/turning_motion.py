@@ -148,12 +148,12 @@ class SteadyVibration:
         # A line turns at nu Omega + omega_0, and j times that is the factor of each derivative.
         rates = self.relative * self.mean.speeds[0] + self.fixed
         amplitudes = self.values[:, place] * (1j * rates) ** derivative
-        found = np.empty(len(times))
+        vibration = np.empty(len(times))
         for part in _chunks(len(times)):
             at = times[part]
             turning = np.outer(self.mean.angle(at), self.relative) + np.outer(at, self.fixed)
-            found[part] = (np.exp(1j * turning) @ amplitudes).real
-        return found
+            vibration[part] = (np.exp(1j * turning) @ amplitudes).real
+        return vibration
 
 
 @dataclass(frozen=True, eq=False)
@@ -271,14 +271,14 @@ def _steady(
     # Angular frequency of a line: relative Omega + 2 pi f of its fixed part.
     relative = np.array([float(line.relative) for line in lines])
     fixed = 2 * math.pi * np.array([line.fixed for line in lines])
-    found = []
+    motions = []
     for speed, amplitudes in zip(motion.speeds, values, strict=True):
         mean = MeanMotion(np.array([0.0, motion.duration]), np.array([speed, speed]), motion.start_angle)
         turning = np.abs(relative * speed + fixed) > 0  # what stands still is a mean value, not a vibration
         vibration = SteadyVibration(mean, relative[turning], fixed[turning], amplitudes[turning])
         name = f"{speed * RPM:.6g}rpm" if len(motion.speeds) > 1 else ""
-        found.append(TurningMotion(name, reference, mean, channels, readings, vibration, notes))
-    return tuple(found)
+        motions.append(TurningMotion(name, reference, mean, channels, readings, vibration, notes))
+    return tuple(motions)
 
 
 def _by_speed(values: ComplexArray, run: OrderResponse, speeds: Sequence[float]) -> ComplexArray:
@@ -294,8 +294,8 @@ def _one_case(run: OrderResponse) -> tuple[Sequence[OrderLine], ComplexArray, tu
     notes = [f"case of excitation, the worst of {run.outputs[0].name}: {case.words}"] if case.words else []
     notes += ["values that scatter have their rated value"] if run.scattered else []
     notes += [ENGINES_IN_PHASE] if run.angles else []
-    one = run.case_responses[case.alternative or 0]
-    return one.lines, one.values, tuple(notes)
+    chosen = run.case_responses[case.alternative or 0]
+    return chosen.lines, chosen.values, tuple(notes)
 
 
 def _passage(

@@ -308,5 +308,5 @@ def _speeds(record: Recording, plan: Plan) -> Iterator[Signal]:
 
 def _grid(record: Recording) -> FloatArray:
     """Times in s at the sampling rate of a record without signals, up to its last pulse, shape (n,)."""
-    last = max(float(one.times[-1]) for one in record.pulses if len(one))
+    last = max(float(pulses.times[-1]) for pulses in record.pulses if len(pulses))
     return np.arange(int(last * record.sampling_rate) + 1) / record.sampling_rate

@@ -86,7 +86,7 @@ class Campaign(NotebookResult):
     @property
     def sensors(self) -> Mapping[str, str]:
         """Sensor of the model that each channel, wheel and twist shows, by its name; those with none are left out."""
-        named = {name: one.sensor for name, one in tracked_entries(self.plan).items()}
+        named = {name: entry.sensor for name, entry in tracked_entries(self.plan).items()}
         given = {name: sensor or (name if name in self.model.sensors else "") for name, sensor in named.items()}
         return {name: sensor for name, sensor in given.items() if sensor}
 
@@ -110,8 +110,8 @@ class Campaign(NotebookResult):
     def table(self) -> Table:
         """Table of the records with their files, configurations and conditions."""
         rows = tuple(
-            (name, one.file, one.configuration, one.condition, one.temperature)
-            for name, one in self.plan.records.items()
+            (name, entry.file, entry.configuration, entry.condition, entry.temperature)
+            for name, entry in self.plan.records.items()
         )
         columns = ("record", "file", "configuration", "condition")
         return Table(self.title, (*map(Column, columns), Column("temperature", "K")), rows)
@@ -162,14 +162,14 @@ def record_key(campaign: Campaign, name: str, sections: Iterable[str]) -> str:
     """Key of what the results of a record follow from: the bytes of its file, sections, pitch patterns, version."""
     # A fit changes neither orders nor responses of a record.
     plan = replace(campaign.plan, fit=None).written_entries()
-    one = campaign.plan.records[name]
+    entry = campaign.plan.records[name]
     asked = {key: plan.get(key) for key in sections}
-    asked |= {"start": one.start, "stop": one.stop, "version": __version__, "title": campaign.title}
-    asked |= {"reading": one.reading.arguments} if one.reading else {}
+    asked |= {"start": entry.start, "stop": entry.stop, "version": __version__, "title": campaign.title}
+    asked |= {"reading": entry.reading.arguments} if entry.reading else {}
     digest = hashlib.sha256(json.dumps(asked, sort_keys=True, default=str).encode())
     for pattern in campaign.patterns.values():
         digest.update(pattern.positions.tobytes())
-    with campaign.file_of(one).open("rb") as stream:
+    with campaign.file_of(entry).open("rb") as stream:
         while block := stream.read(HASHED_BYTES):
             digest.update(block)
     return digest.hexdigest()[:KEY_LENGTH]
@@ -199,8 +199,8 @@ def load_campaign(path: str | os.PathLike[str]) -> Campaign:
     data: Mapping[Any, Any] = document.data if isinstance(document.data, dict) else {}
     entries, faults = CampaignFile.read_entries(data)
     faults = [*version_faults(data, "campaign"), *faults]
-    model, found = _model(entries.get("model"), folder)
-    faults += found
+    model, further = _model(entries.get("model"), folder)
+    faults += further
     patterns: dict[str, WheelPattern] = {}
     plan = None
     if not faults and model is not None:
@@ -214,8 +214,8 @@ def load_campaign(path: str | os.PathLike[str]) -> Campaign:
             *(imported(REPORT_FAULTS)(model.definition, plan.report) if plan.report else ()),
             *_fitted(plan, model),
         ]
-        patterns, found = _patterns(plan, folder)
-        faults += found
+        patterns, further = _patterns(plan, folder)
+        faults += further
     faults += document.faults
     if faults or plan is None or model is None:
         raise ModelError(located_faults(faults, document), file.name)
@@ -285,13 +285,13 @@ def _doubled(plan: CampaignFile) -> Iterator[Fault]:
 def _sensors(plan: CampaignFile, model: Drivetrain) -> Iterator[Fault]:
     sections = (("wheels", plan.wheels), ("channels", plan.channels or {}), ("twists", plan.twists or {}))
     for section, entries in sections:
-        for name, one in entries.items():
-            sensor = named_sensor(one.sensor, model.definition.sensors) if one.sensor else None
+        for name, entry in entries.items():
+            sensor = named_sensor(entry.sensor, model.definition.sensors) if entry.sensor else None
             if sensor is not None:
                 yield from (fault.under(section, name, "sensor") for fault in _unreadable(sensor, model))
-            elif one.sensor:
-                hint = did_you_mean(one.sensor, model.sensors)
-                text = f'no sensor is named "{one.sensor}"{hint}; sensors: {", ".join(model.sensors) or "none"}'
+            elif entry.sensor:
+                hint = did_you_mean(entry.sensor, model.sensors)
+                text = f'no sensor is named "{entry.sensor}"{hint}; sensors: {", ".join(model.sensors) or "none"}'
                 yield Fault(
                     f"{text}; or write it out, as angle(node)", (section, name, "sensor"), kind="unknown-channel"
                 )
@@ -311,7 +311,7 @@ def _unreadable(sensor: Sensor, model: Drivetrain) -> Iterator[Fault]:
 def _records(plan: CampaignFile, model: Drivetrain, folder: Path) -> Iterator[Fault]:
     for name, record in plan.records.items():
         if not is_file(folder / record.file):
-            beside = [one.name for one in folder.iterdir()] if folder.is_dir() else []
+            beside = [path.name for path in folder.iterdir()] if folder.is_dir() else []
             hint = did_you_mean(Path(record.file).name, beside)
             yield Fault(f'there is no file "{record.file}"{hint}', ("records", name, "file"), kind="missing-file")
         if record.shows and not getattr(plan, record.shows):
@@ -342,17 +342,17 @@ def _fitted(plan: CampaignFile, model: Drivetrain) -> Iterator[Fault]:
 
 def _patterns(plan: CampaignFile, folder: Path) -> tuple[dict[str, WheelPattern], list[Fault]]:
     """Pitch patterns of the wheels that have one, and the faults of their files."""
-    found: dict[str, WheelPattern] = {}
+    patterns: dict[str, WheelPattern] = {}
     faults: list[Fault] = []
     for name, wheel in plan.wheels.items():
         place = ("wheels", name, "pattern")
         if not wheel.pattern_file:
             continue
         try:
-            found[name] = read_wheel_pattern(folder / wheel.pattern)
-            check_pattern(name, wheel, found[name])
+            patterns[name] = read_wheel_pattern(folder / wheel.pattern)
+            check_pattern(name, wheel, patterns[name])
         except ModelError as error:
-            faults += [Fault(f"{wheel.pattern}: {one.message}", place, kind=one.kind) for one in error.faults]
+            faults += [Fault(f"{wheel.pattern}: {fault.message}", place, kind=fault.kind) for fault in error.faults]
         except UsageError as error:
             faults.append(replace(error.fault, path=place))
-    return found, faults
+    return patterns, faults

@@ -101,15 +101,15 @@ class CampaignResponses(Declared):
     )
 
     def contradictions(self) -> list[Fault]:
-        found = []
+        faults = []
         if not self.outputs:
-            found.append(Fault("name at least one output", ("outputs",), kind="missing-entry"))
+            faults.append(Fault("name at least one output", ("outputs",), kind="missing-entry"))
         if self.input in self.outputs:
             place = self.outputs.index(self.input)
-            found.append(
+            faults.append(
                 Fault(f"{self.input} is the input, too; leave it out", ("outputs", place), kind="needless-entry")
             )
-        return found
+        return faults
 
 
 SHOWS = ("orders", "responses")
@@ -232,15 +232,15 @@ class CampaignOrders(Declared):
     cycle: int = entry(Count("turns after which vibration repeats", lower=1, upper=100), 2)
 
     def contradictions(self) -> list[Fault]:
-        found = []
+        faults = []
         if self.bandwidth is not None and self.method == METHODS[0]:
-            found.append(
+            faults.append(
                 Fault("a bandwidth belongs to method: vold-kalman", ("bandwidth",), on_key=True, kind="needless-entry")
             )
         if self.cycles and self.method == METHODS[1]:
-            found.append(Fault("cycles belong to method: average", ("cycles",), on_key=True, kind="needless-entry"))
+            faults.append(Fault("cycles belong to method: average", ("cycles",), on_key=True, kind="needless-entry"))
         if self.cycles and self.step:
-            found.append(
+            faults.append(
                 Fault(
                     "cycles and step both say over what is averaged; leave one out",
                     ("step",),
@@ -248,7 +248,7 @@ class CampaignOrders(Declared):
                     kind="contradicting-entries",
                 )
             )
-        return found
+        return faults
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -331,13 +331,13 @@ class CampaignFile(Declared):
     @classmethod
     def key_faults(cls, raw: Mapping[Any, Any], name: str = "") -> list[Fault]:
         """Faults of missing or unknown keys; a campaign has orders, which need wheels, or responses."""
-        found = super().key_faults(raw, name)
+        faults = super().key_faults(raw, name)
         if not {"orders", "responses"} & set(raw):
             text = "a campaign needs orders, of turning machines, or responses, of a rig that is shaken or hammered"
-            found.append(Fault(text, on_key=True, kind="missing-entry", about="orders"))
+            faults.append(Fault(text, on_key=True, kind="missing-entry", about="orders"))
         if "orders" in raw and not raw.get("wheels"):
-            found.append(cls.missing("wheels", name))
-        return found
+            faults.append(cls.missing("wheels", name))
+        return faults
 
 
 def tracked_entries(plan: CampaignFile) -> dict[str, CampaignChannel | CampaignWheel | CampaignTwist]:
@@ -369,10 +369,10 @@ def response_faults(plan: CampaignFile, model: Drivetrain) -> Iterator[Fault]:
         at: EntryPath = (
             ("channels", output, "sensor") if channel and channel.sensor else ("responses", "outputs", place)
         )
-        found = [_placed(fault, named, asked, at, first=not place) for fault in pair_faults(named, model.definition)]
-        known = [fault for fault in found if fault is not None]
+        placed = [_placed(fault, named, asked, at, first=not place) for fault in pair_faults(named, model.definition)]
+        known = [fault for fault in placed if fault is not None]
         yield from known
-        if not found:
+        if not placed:
             yield from _of_model(plan, model, named, at)
 
 
@@ -388,7 +388,7 @@ def _placed(fault: Fault, pair: Pair, asked: CampaignResponses, at: EntryPath, *
 
 def _of_model(plan: CampaignFile, model: Drivetrain, pair: Pair, at: EntryPath) -> Iterator[Fault]:
     """Yield what the model answers where it has no such response in the configuration of the first record."""
-    name = next((one.configuration for one in plan.records.values() if one.shows in (None, "responses")), "")
+    name = next((record.configuration for record in plan.records.values() if record.shows in (None, "responses")), "")
     try:
         rig = model.configured(name) if name else model
     except TorsionnetError:

@@ -61,23 +61,26 @@ def condition_spread(condition: str, records: Sequence[TrackedOrders]) -> tuple[
     The records are compared at the speeds of the first, between those of the others linearly, where all of them have
     been; complex values where all phases have a reference, else amplitudes.
     """
-    first, tests = records[0], [one.measured() for one in records]
-    found = []
+    first, tests = records[0], [record.measured() for record in records]
+    spreads = []
     for place, order in enumerate(first.orders.tolist()):
         alike = [test[place] for test in tests]
-        low = max(float(one.speeds[0]) for one in alike)
-        high = min(float(one.speeds[-1]) for one in alike)
+        low = max(float(curve.speeds[0]) for curve in alike)
+        high = min(float(curve.speeds[-1]) for curve in alike)
         speeds = alike[0].speeds[(alike[0].speeds >= low) & (alike[0].speeds <= high)]
         if len(speeds) < FEWEST_COMMON:
             continue
-        phased = all(one.values is not None for one in alike)
+        phased = all(curve.values is not None for curve in alike)
         curves = np.array(
-            [np.interp(speeds, one.speeds, one.values if phased and one.values is not None else one.amplitude)
-             for one in alike]
+            [np.interp(speeds, curve.speeds, curve.values if phased and curve.values is not None else curve.amplitude)
+             for curve in alike]
         )  # fmt: skip
         unknown = np.full(len(speeds), np.nan)
         widths = np.array(
-            [unknown if one.half_widths is None else np.interp(speeds, one.speeds, one.half_widths) for one in alike]
+            [
+                unknown if curve.half_widths is None else np.interp(speeds, curve.speeds, curve.half_widths)
+                for curve in alike
+            ]
         )
         # Variance over the records; of complex values half of it belongs to each of the two parts.
         apart = np.abs(curves - curves.mean(axis=0)) ** 2
@@ -86,8 +89,8 @@ def condition_spread(condition: str, records: Sequence[TrackedOrders]) -> tuple[
         # A 95 % interval is 1.96 standard deviations to either side.
         stated = float(np.sqrt(np.mean((widths / 1.96) ** 2)))
         size = float(np.sqrt(np.mean(np.abs(curves) ** 2)))
-        found.append(ConditionSpread(first.name, condition, len(alike), order, size, spread, stated, first.unit))
-    return tuple(found)
+        spreads.append(ConditionSpread(first.name, condition, len(alike), order, size, spread, stated, first.unit))
+    return tuple(spreads)
 
 
 GOOD = (AGREES, WITHIN_BOUND)
@@ -162,7 +165,7 @@ class CampaignRecordResult:
     @property
     def agreeing(self) -> Annotated[int, Out("agree", json="orders_that_agree")]:
         """Number of orders that agree with the calculation."""
-        return sum(one.verdict in GOOD for one in self.verdicts)
+        return sum(verdict.verdict in GOOD for verdict in self.verdicts)
 
     @property
     def reference(self) -> Annotated[str, Out("phase 0 at", json="phase_reference")]:
@@ -177,17 +180,17 @@ class CampaignRecordResult:
     @cached_property
     def verdicts(self) -> tuple[CampaignVerdict, ...]:
         """Verdicts on every order of the record that was measured and calculated."""
-        found = []
+        verdicts = []
         for output, measured in self.tests.items():
             for pair in compared_orders(not_none(self.calculated), output, measured):
                 apart = pair.agreement
-                found.append(
+                verdicts.append(
                     CampaignVerdict(
                         self.name, output, pair.measured.order, apart.peak, apart.intervals, apart.verdict,
                         apart.sentence,
                     )
                 )  # fmt: skip
-        return tuple(found)
+        return tuple(verdicts)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -227,7 +230,7 @@ class CampaignResult(NotebookResult):
     @property
     def fails(self) -> bool:
         """Whether a fault of a record is beyond the level at which the campaign fails."""
-        return any(one.consequence == "fails" for one in self.findings)
+        return any(finding.consequence == "fails" for finding in self.findings)
 
     @property
     def verdicts(self) -> Annotated[tuple[CampaignVerdict, ...], Out(json="orders")]:
@@ -246,10 +249,10 @@ class CampaignResult(NotebookResult):
 
     def comparisons(self, conventions: Conventions = SI) -> Iterator[Table]:
         """Yield a table of measured and calculated orders for each record and output."""
-        for name, found in self.records.items():
-            if found.calculated is not None:
-                for output, measured in found.tests.items():
-                    table = order_comparison(found.calculated, output, measured, conventions)
+        for name, outcome in self.records.items():
+            if outcome.calculated is not None:
+                for output, measured in outcome.tests.items():
+                    table = order_comparison(outcome.calculated, output, measured, conventions)
                     yield Table(f"{name}: {table.title}", table.columns, table.rows, table.notes)
 
     @property
@@ -264,7 +267,7 @@ class CampaignResult(NotebookResult):
     @property
     def responses(self) -> Mapping[str, CampaignResponse]:
         """Measured and calculated frequency responses of the records that show them, by record."""
-        return {name: one.response for name, one in self.records.items() if one.response is not None}
+        return {name: record.response for name, record in self.records.items() if record.response is not None}
 
     @property
     def response_rows(self) -> Annotated[tuple[ResponseRow, ...], Out(json="responses")]:

@@ -65,8 +65,8 @@ def campaign_response(campaign: Campaign, name: str, folder: Path) -> CampaignRe
     """
     kept = kept_path(folder, f"{file_name(name)}~responses", record_key(campaign, name, ESTIMATED))
     if not kept.is_dir():
-        found = estimated_response(campaign, name)
-        write_kept(kept, lambda filling: write_frequency_response(found, filling / FILE))
+        response = estimated_response(campaign, name)
+        write_kept(kept, lambda filling: write_frequency_response(response, filling / FILE))
     measured = read_frequency_response(kept / FILE)
     return CampaignResponse(kept / FILE, measured, _calculated(campaign, name, measured))
 
@@ -76,24 +76,28 @@ def estimated_response(campaign: Campaign, name: str) -> FrequencyResponse:
     asked = not_none(campaign.plan.responses)
     record = response_record(campaign, name)
     try:
-        found = estimate(
+        response = estimate(
             record, asked.outputs, asked.input, settings=_settings(campaign, record), band=asked.band,
             reference=[asked.reference] if asked.reference else (),
         )  # fmt: skip
     except UsageError as error:
         raise _of_record(campaign, name, error) from None
-    return replace(found, title=f"{campaign.title}: {name}")
+    return replace(response, title=f"{campaign.title}: {name}")
 
 
 def response_record(campaign: Campaign, name: str) -> Recording:
     """Record of the input, the outputs and the set-point of the responses, calibrated, in SI."""
-    asked, one, channels = not_none(campaign.plan.responses), campaign.plan.records[name], campaign.plan.channels or {}
+    asked, entry, channels = (
+        not_none(campaign.plan.responses),
+        campaign.plan.records[name],
+        campaign.plan.channels or {},
+    )
     names = list(dict.fromkeys(filter(None, [*asked.outputs, asked.input, asked.reference])))
     try:
         record = read_even(
-            campaign.file_of(one),
+            campaign.file_of(entry),
             names=names,
-            **one.arguments({key: channels[key] for key in names if key in channels}),
+            **entry.arguments({key: channels[key] for key in names if key in channels}),
         )
         signals = [
             without_delay(with_gain(signal, channel.gain), channel.delay, record.time)
@@ -101,12 +105,12 @@ def response_record(campaign: Campaign, name: str) -> Recording:
             else signal
             for signal in record
         ]
-        return replace(record, signals=tuple(signals)).between(one.start, one.stop)
+        return replace(record, signals=tuple(signals)).between(entry.start, entry.stop)
     except UsageError as error:
         raise _of_record(campaign, name, error) from None
     except ModelError as error:
         faults = [replace(fault, message=f"record {name}: {fault.message}") for fault in error.faults]
-        raise ModelError(faults, one.file) from None
+        raise ModelError(faults, entry.file) from None
 
 
 def response_measurements(campaign: Campaign, name: str) -> Iterator[Measurement]:
@@ -129,11 +133,13 @@ def _settings(campaign: Campaign, record: Recording) -> Welch:
 def _calculated(campaign: Campaign, name: str, measured: FrequencyResponse) -> FrequencyResponse:
     asked, model = not_none(campaign.plan.responses), campaign.model_of(campaign.plan.records[name])
     try:
-        found = model.frequency_response(
+        response = model.frequency_response(
             list(campaign.model_outputs.values()), asked.model_input or asked.input, measured.frequencies,
             driven_by=asked.excitation,
         )  # fmt: skip
-        for mine, theirs in zip([*found.outputs, *found.inputs], [*measured.outputs, *measured.inputs], strict=True):
+        for mine, theirs in zip(
+            [*response.outputs, *response.inputs], [*measured.outputs, *measured.inputs], strict=True
+        ):
             if mine.unit != theirs.unit:
                 text = f"{theirs.name} is in {theirs.unit or 'no unit'}, {mine.name} of the model in {mine.unit}"
                 raise UsageError(
@@ -141,7 +147,7 @@ def _calculated(campaign: Campaign, name: str, measured: FrequencyResponse) -> F
                 )
     except UsageError as error:
         raise _of_record(campaign, name, error) from None
-    return replace(found, outputs=measured.outputs, inputs=measured.inputs)
+    return replace(response, outputs=measured.outputs, inputs=measured.inputs)
 
 
 def _of_record(campaign: Campaign, name: str, error: UsageError) -> ModelError:
@@ -191,11 +197,11 @@ class ResponseSpread:
         return self.spread / self.stated if self.stated else float("nan")
 
 
-def response_rows(found: Mapping[str, CampaignResponse]) -> Iterator[ResponseRow]:
+def response_rows(responses: Mapping[str, CampaignResponse]) -> Iterator[ResponseRow]:
     """Yield a row for each record and output."""
-    for record, one in found.items():
-        for measured, calculated in one.pairs():
-            yield _row(record, measured, calculated, str(one.file))
+    for record, response in responses.items():
+        for measured, calculated in response.pairs():
+            yield _row(record, measured, calculated, str(response.file))
 
 
 def _row(record: str, measured: FrequencyResponse, calculated: FrequencyResponse, file: str) -> ResponseRow:
@@ -224,20 +230,20 @@ def response_spread(condition: str, records: Sequence[FrequencyResponse]) -> Ite
     deviation of the real and of the imaginary part over the magnitude.
     """
     for output in records[0].outputs:
-        own = [one.select(output.name) for one in records]
+        own = [response.select(output.name) for response in records]
         common = _common_lines(own)
         if not len(common):
             continue
-        picked = [one.at_lines(np.isin(one.frequencies, common)) for one in own]
-        values = np.array([one.values[:, 0, 0] for one in picked])
+        picked = [response.at_lines(np.isin(response.frequencies, common)) for response in own]
+        values = np.array([response.values[:, 0, 0] for response in picked])
         mean = values.mean(axis=0)
         # Of complex values half of the variance belongs to each of the two parts.
         apart = (np.abs(values - mean) ** 2).sum(axis=0) / (len(own) - 1) / 2
         errors = [
-            random_error(one.coherence[:, 0, 0], one.estimation.effective_averages).magnitude
-            if one.coherence is not None and one.estimation is not None
+            random_error(response.coherence[:, 0, 0], response.estimation.effective_averages).magnitude
+            if response.coherence is not None and response.estimation is not None
             else np.full(len(common), np.nan)
-            for one in picked
+            for response in picked
         ]
         yield ResponseSpread(
             f"{output.name}/{own[0].inputs[0].name}", condition, len(own), len(common),
@@ -248,16 +254,16 @@ def response_spread(condition: str, records: Sequence[FrequencyResponse]) -> Ite
 def _common_lines(records: Sequence[FrequencyResponse]) -> FloatArray:
     """Frequencies in Hz, (n,), that all records have with good coherence."""
     common = records[0].frequencies
-    for one in records:
-        common = np.intersect1d(common, one.frequencies[comparable_lines(one)])
+    for record_response in records:
+        common = np.intersect1d(common, record_response.frequencies[comparable_lines(record_response)])
     return common
 
 
-def response_lines(found: Mapping[str, CampaignResponse], conventions: Conventions = SI) -> Table:
+def response_lines(responses: Mapping[str, CampaignResponse], conventions: Conventions = SI) -> Table:
     """Table of all lines of all records: magnitude and phase of test and model, coherence, with a row for each."""
     rows: list[tuple[str | float | None, ...]] = []
-    for record, one in found.items():
-        for test, model in one.pairs():
+    for record, response in responses.items():
+        for test, model in response.pairs():
             scale, unit = test.scale(conventions), test.unit(conventions=conventions)
             names = record, f"{test.outputs[0].name}/{test.inputs[0].name}", unit
             data = [

@@ -64,14 +64,14 @@ def run_campaign(
         show(f"record {name}", done, count)
         checked = record_findings(campaign, name, place)
         findings += checked
-        if not any(one.consequence == "left out" for one in checked):
+        if not any(finding.consequence == "left out" for finding in checked):
             records[name] = _result(campaign, name, place)
     if not records:
-        texts = [one.remark for one in findings]
+        texts = [finding.remark for finding in findings]
         raise ModelError([Fault(text, ("checks",), kind="missing-data") for text in texts], campaign.file.name)
     show("comparison", count, count)
-    remarks = tuple(campaign_remarks({name: found.orders for name, found in records.items() if found.orders}))
-    remarks += tuple(one.remark for one in findings)
+    remarks = tuple(campaign_remarks({name: outcome.orders for name, outcome in records.items() if outcome.orders}))
+    remarks += tuple(finding.remark for finding in findings)
     fit, ranking = _fitted(campaign, records)
     return CampaignResult(
         campaign,
@@ -92,7 +92,7 @@ def _result(campaign: Campaign, name: str, folder: Path) -> CampaignRecordResult
     orders, plan, sensors = tuple(files.values()), campaign.plan.records[name], campaign.sensors
     calculated = _calculated(campaign, name, orders)
     known = [] if calculated is None else [channel.name for channel in calculated.outputs]
-    tests = {sensors[one.name]: one.measured() for one in orders if sensors.get(one.name) in known}
+    tests = {sensors[tracked.name]: tracked.measured() for tracked in orders if sensors.get(tracked.name) in known}
     paths = (*files, *([response.file] if response else []))
     return CampaignRecordResult(name, plan.configuration, plan.condition, paths, orders, calculated, tests, response)
 
@@ -101,25 +101,25 @@ def _tracked(campaign: Campaign, name: str, folder: Path) -> dict[Path, TrackedO
     """Tracked orders of a record by their files; from the files where record and entries are the same."""
     kept = kept_path(folder, file_name(name), record_key(campaign, name, TRACKED))
     if not kept.is_dir():
-        found = record_orders(campaign, name)
-        write_kept(kept, lambda filling: _write(found, filling))
+        tracked = record_orders(campaign, name)
+        write_kept(kept, lambda filling: _write(tracked, filling))
     orders = {file: read_tracked_orders(file)[0] for file in kept.glob("*.csv")}
     order = list(tracked_entries(campaign.plan))
     return dict(sorted(orders.items(), key=lambda pair: order.index(pair[1].name)))
 
 
-def _write(found: tuple[TrackedOrders, ...], folder: Path) -> None:
-    for number, one in enumerate(found):
-        write_tracked_orders([one], folder / f"{number + 1}-{file_name(one.name)}.csv")
+def _write(tracked: tuple[TrackedOrders, ...], folder: Path) -> None:
+    for number, orders in enumerate(tracked):
+        write_tracked_orders([orders], folder / f"{number + 1}-{file_name(orders.name)}.csv")
 
 
 def _calculated(campaign: Campaign, name: str, orders: tuple[TrackedOrders, ...]) -> OrderResponse | None:
     sensors = campaign.sensors
-    outputs = list(dict.fromkeys(sensors[one.name] for one in orders if one.name in sensors))
+    outputs = list(dict.fromkeys(sensors[tracked.name] for tracked in orders if tracked.name in sensors))
     if not outputs:
         return None
     model = campaign.model_of(campaign.plan.records[name])
-    measured = np.unique(np.concatenate([one.speeds for one in orders]))
+    measured = np.unique(np.concatenate([tracked.speeds for tracked in orders]))
     # The speeds of the model are refined at resonances; they serve where they include the measured ones.
     run, plan = model.order_response(outputs, refine=True), model.definition.speeds
     inside = plan is not None and run.speeds.min() <= measured.min() and measured.max() <= run.speeds.max()
@@ -127,19 +127,19 @@ def _calculated(campaign: Campaign, name: str, orders: tuple[TrackedOrders, ...]
 
 
 def _spreads(campaign: Campaign, records: Mapping[str, CampaignRecordResult]) -> tuple[ConditionSpread, ...]:
-    found: list[ConditionSpread] = []
+    spreads: list[ConditionSpread] = []
     for words, names in _repeated(campaign, records, campaign.of_orders):
         for channels in zip(*(records[name].orders for name in names), strict=True):
-            found += condition_spread(words, channels)
-    return tuple(found)
+            spreads += condition_spread(words, channels)
+    return tuple(spreads)
 
 
 def _response_spreads(campaign: Campaign, records: Mapping[str, CampaignRecordResult]) -> tuple[ResponseSpread, ...]:
-    found: list[ResponseSpread] = []
+    spreads: list[ResponseSpread] = []
     for words, names in _repeated(campaign, records, campaign.of_responses):
-        responses = [one.measured for name in names if (one := records[name].response) is not None]
-        found += response_spread(words, responses)
-    return tuple(found)
+        responses = [response.measured for name in names if (response := records[name].response) is not None]
+        spreads += response_spread(words, responses)
+    return tuple(spreads)
 
 
 def _repeated(
@@ -162,18 +162,20 @@ def _fitted(campaign: Campaign, records: Mapping[str, CampaignRecordResult]) -> 
         return None, None
     measurements = [
         Measurement(
-            one, name=f"{name}: {one.name}", output=one.name, model_output=sensors[one.name],
+            orders, name=f"{name}: {orders.name}", output=orders.name, model_output=sensors[orders.name],
             configuration=campaign.plan.records[name].configuration, reference_angle=plan.reference_angle,
         )
-        for name, found in records.items() for one in found.orders if one.name in sensors
+        for name, outcome in records.items() for quantity in outcome.orders if orders.name in sensors
     ]  # fmt: skip
-    for name, found in records.items():
-        measurements += response_measurements(campaign, name) if found.response else ()
+    for name, outcome in records.items():
+        measurements += response_measurements(campaign, name) if outcome.response else ()
     if not plan.parameters:
         return None, rank_causes(campaign.model, measurements)
     unknowns = {
-        name: Unknown(one.start, one.bounds, one.prior, one.per_configuration) if one else Unknown()
-        for name, one in plan.parameters.items()
+        name: Unknown(quantity.start, quantity.bounds, quantity.prior, quantity.per_configuration)
+        if quantity
+        else Unknown()
+        for name, quantity in plan.parameters.items()
     }
     fit = identify(campaign.model, measurements, unknowns)
     return fit, rank_causes(fit) if plan.rank else None

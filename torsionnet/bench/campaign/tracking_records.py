@@ -52,17 +52,17 @@ def record_orders(campaign: Campaign, name: str) -> tuple[TrackedOrders, ...]:
     ModelError
         The record lacks a channel, or its pulses do not fit their wheel.
     """
-    plan, one = campaign.plan, campaign.plan.records[name]
+    plan, entry = campaign.plan, campaign.plan.records[name]
     try:
-        wheels, mark = _pulses(campaign, one)
+        wheels, mark = _pulses(campaign, entry)
         mean = mean_rotation(wheels[campaign.reference], cycle=not_none(plan.orders).cycle)
-        found: dict[str, TrackedOrders] = {}
+        tracked_by_name: dict[str, TrackedOrders] = {}
         for (asked, delay), names in _by_orders_and_delay(campaign).items():
             channels = {key: plan.channels[key] for key in names if plan.channels and key in plan.channels}
             turning = [key for key in names if key in wheels]
             twists = {key: plan.twists[key] for key in names if plan.twists and key in plan.twists}
             tracked = orders_of_test(
-                _signals(campaign.file_of(one), channels, delay, one) if channels else None,
+                _signals(campaign.file_of(entry), channels, delay, entry) if channels else None,
                 wheels,
                 mean,
                 orders=asked,
@@ -72,16 +72,17 @@ def record_orders(campaign: Campaign, name: str) -> tuple[TrackedOrders, ...]:
                 mark=mark,
                 method=_method(not_none(plan.orders)),
             )
-            found |= zip([*channels, *turning, *twists], tracked, strict=True)
+            tracked_by_name |= zip([*channels, *turning, *twists], tracked, strict=True)
     except UsageError as error:
         raise ModelError(
             [Fault(f"record {name}: {error}", ("records", name), kind=error.kind)], campaign.file.name
         ) from None
     except ModelError as error:
         faults = [replace(fault, message=f"record {name}: {fault.message}") for fault in error.faults]
-        raise ModelError(faults, one.file) from None
+        raise ModelError(faults, entry.file) from None
     return tuple(
-        replace(found[key], name=key, title=f"{campaign.title}: {name}") for key in tracked_entries(campaign.plan)
+        replace(tracked_by_name[key], name=key, title=f"{campaign.title}: {name}")
+        for key in tracked_entries(campaign.plan)
     )
 
 
@@ -92,20 +93,20 @@ def record_rotations(campaign: Campaign, name: str) -> dict[str, WheelRotation]:
 
 def _by_orders_and_delay(campaign: Campaign) -> dict[tuple[tuple[float, ...], float], list[str]]:
     """Names of wheels, channels and twists by the orders that are tracked of them and by how late they come, in s."""
-    found: dict[tuple[tuple[float, ...], float], list[str]] = {}
-    for name, one in tracked_entries(campaign.plan).items():
-        delay = one.delay if isinstance(one, CampaignChannel) else 0.0
-        found.setdefault((one.orders or not_none(campaign.plan.orders).tracked, delay), []).append(name)
-    return found
+    names: dict[tuple[tuple[float, ...], float], list[str]] = {}
+    for name, entry in tracked_entries(campaign.plan).items():
+        delay = entry.delay if isinstance(entry, CampaignChannel) else 0.0
+        names.setdefault((entry.orders or not_none(campaign.plan.orders).tracked, delay), []).append(name)
+    return names
 
 
-def _pulses(campaign: Campaign, one: CampaignRecord) -> tuple[dict[str, WheelRotation], PhaseMark]:
+def _pulses(campaign: Campaign, entry: CampaignRecord) -> tuple[dict[str, WheelRotation], PhaseMark]:
     """Rotations of the wheels of a record by name, and the mark of the phases."""
     plan, phase = campaign.plan, campaign.plan.phase
     names = {"index": phase.index, "cam": phase.cam} if phase is not None else {}
     marks = {name: _reading(campaign, name) for name in names.values() if name}
-    found = read_turning_record(campaign.file_of(one), plan.wheels, marks, **one.arguments({}))
-    record = found.between(one.start, one.stop)
+    whole = read_turning_record(campaign.file_of(entry), plan.wheels, marks, **entry.arguments({}))
+    record = whole.between(entry.start, entry.stop)
     rotations = rotations_of_wheels(record, plan.wheels, campaign.patterns, marks=marks)
     if phase is None:
         return rotations, PhaseMark()
@@ -124,23 +125,23 @@ def _reading(campaign: Campaign, name: str) -> PulseReading:
     return counted_reading(of_index.get(name, wheels[campaign.reference]))
 
 
-def _signals(path: Path, channels: Mapping[str, CampaignChannel], delay: float, one: CampaignRecord) -> Recordings:
+def _signals(path: Path, channels: Mapping[str, CampaignChannel], delay: float, entry: CampaignRecord) -> Recordings:
     """Channels of a record that come late by the same time in s, calibrated, in SI; a large file in blocks."""
     record = record_or_blocks(
         path,
         names=list(channels),
-        **one.arguments(channels),
+        **entry.arguments(channels),
     )
     if isinstance(record, Recording):
-        return _calibrated(record, channels, delay).between(one.start, one.stop)
-    return _blocks_between(record, channels, delay, one)
+        return _calibrated(record, channels, delay).between(entry.start, entry.stop)
+    return _blocks_between(record, channels, delay, entry)
 
 
 def _blocks_between(
-    blocks: Iterable[Recording], channels: Mapping[str, CampaignChannel], delay: float, one: CampaignRecord
+    blocks: Iterable[Recording], channels: Mapping[str, CampaignChannel], delay: float, entry: CampaignRecord
 ) -> Iterator[Recording]:
     for block in blocks:
-        kept = _calibrated(block, channels, delay).between(one.start, one.stop)
+        kept = _calibrated(block, channels, delay).between(entry.start, entry.stop)
         if len(kept):
             yield kept
 
@@ -200,8 +201,8 @@ def record_findings(campaign: Campaign, name: str, folder: Path) -> tuple[Record
     """
     kept = kept_path(folder, f"{file_name(name)}~checks", record_key(campaign, name, CHECKED))
     if not kept.is_dir():
-        found = json.dumps(list(_counted(campaign, name)))
-        write_kept(kept, lambda filling: write_text(filling / FILE, found))
+        listing = json.dumps(list(_counted(campaign, name)))
+        write_kept(kept, lambda filling: write_text(filling / FILE, listing))
     levels, listed = campaign.plan.checks or CampaignChecks(), []
     for channel, check, count, of in json.loads((kept / FILE).read_text(encoding="utf-8")):
         level, share = getattr(levels, check), count / of
@@ -233,9 +234,9 @@ def _of_samples(campaign: Campaign, name: str) -> Iterator[tuple[str, str, int, 
         names = list(dict.fromkeys([*names, *asked.outputs, asked.input]))
     if not names:
         return
-    one = campaign.plan.records[name]
+    entry = campaign.plan.records[name]
     of_names = {key: channels[key] for key in names if key in channels}
-    record = record_or_blocks(campaign.file_of(one), names=names, **one.arguments(of_names))
+    record = record_or_blocks(campaign.file_of(entry), names=names, **entry.arguments(of_names))
     counts = {(key, check): 0 for key in names for check in ("clipping", "drop_outs")}
     samples = 0
     for block in [record] if isinstance(record, Recording) else record:
@@ -279,12 +280,12 @@ def campaign_remarks(records: Mapping[str, Sequence[TrackedOrders]]) -> Iterator
     ['averaged', '900 rpm: fly: 1 pulse missing']
     """
     said = [
-        (one.name, record, _within(note, one.name))
+        (tracked.name, record, _within(note, tracked.name))
         for record, orders in records.items()
-        for one in orders
-        for note in one.notes
+        for tracked in orders
+        for note in tracked.notes
     ]
-    every = {one.name for orders in records.values() for one in orders}
+    every = {tracked.name for orders in records.values() for tracked in orders}
     for channels, names, note in grouped_remarks(said):
         where = [", ".join(names)] if len(names) < len(records) else []
         where += [", ".join(channels)] if set(channels) != every else []

@@ -100,7 +100,11 @@ def _wheel_faults(
     if part.wheel:
         first = plan.channels.get(part.wheel)
         if not isinstance(first, ToothedWheel) or first.wheel:
-            wheels = [other for other, one in plan.channels.items() if isinstance(one, ToothedWheel) and not one.wheel]
+            wheels = [
+                other
+                for other, channel in plan.channels.items()
+                if isinstance(channel, ToothedWheel) and not channel.wheel
+            ]
             text = f'no channel with a wheel of its own is named "{part.wheel}"{did_you_mean(part.wheel, wheels)}'
             yield Fault(f"{text}; there is {', '.join(wheels) or 'none'}", ("wheel",), kind="unknown-channel")
         return
@@ -261,11 +265,11 @@ def _channel(name: str, part: Sensing, plan: Plan, definition: Definition) -> It
 
 def _in_unit_of_use(part: Transducer) -> dict[EntryPath, Number | None]:
     """Values of a transducer in the unit of what it measures, by their paths in its entries."""
-    found: dict[EntryPath, Number | None] = {(key,): getattr(part, key) for key in ("range", "noise", "offset")}
+    values: dict[EntryPath, Number | None] = {(key,): getattr(part, key) for key in ("range", "noise", "offset")}
     if part.hum is not None:
-        found["hum", "amplitude"] = part.hum.amplitude
+        values["hum", "amplitude"] = part.hum.amplitude
     if isinstance(part, StrainGauge) and part.shunt is not None:
-        found["shunt", "value"] = part.shunt.value
+        values["shunt", "value"] = part.shunt.value
     if isinstance(part, StrainGauge) and part.zero_drift is not None:
-        found["zero_drift", "change"] = part.zero_drift.change
-    return found
+        values["zero_drift", "change"] = part.zero_drift.change
+    return values

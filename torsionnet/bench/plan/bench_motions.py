@@ -130,21 +130,21 @@ class RunUp(BenchMotion):
     rate: float | None = entry(Value("instead: change of the speed", "acceleration", exclusive=True), None)
 
     def contradictions(self) -> list[Fault]:
-        found = []
+        faults = []
         if (self.duration is None) == (self.rate is None):
             text = f"a {self.kind} takes a duration or has a rate; here is {'both' if self.rate else 'neither'}"
             kind = "contradicting-entries" if self.rate else "missing-entry"
-            found.append(Fault(text, ("rate",) if self.rate else (), on_key=True, kind=kind))
+            faults.append(Fault(text, ("rate",) if self.rate else (), on_key=True, kind=kind))
         if self.start == self.stop or (self.start < self.stop) != self.rises:
             text = f"a {self.kind} goes to a {'higher' if self.rises else 'lower'} speed"
-            found.append(
+            faults.append(
                 Fault(
                     f"{text}; from {_rpm(self.start)} to {_rpm(self.stop)} is none",
                     ("stop",),
                     kind="contradicting-values",
                 )
             )
-        return found
+        return faults
 
     @property
     def length(self) -> float:

@@ -91,15 +91,15 @@ class Exciter(Declared):
     )
 
     def contradictions(self) -> list[Fault]:
-        found = []
+        faults = []
         if (self.bits is None) != (self.full_scale is None):
             text = "bits and full_scale belong together: the range is divided into 2^bits levels"
-            found.append(Fault(text, ("bits" if self.full_scale is None else "full_scale",), kind="missing-entry"))
+            faults.append(Fault(text, ("bits" if self.full_scale is None else "full_scale",), kind="missing-entry"))
         if self.compensated and self.bandwidth is None:
-            found.append(
+            faults.append(
                 Fault("without a bandwidth there is nothing to compensate for", ("compensated",), kind="needless-entry")
             )
-        return found
+        return faults
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -411,17 +411,17 @@ class ToothedWheel(Declared):
             own = [name for name in OWN_ENTRIES if getattr(self, name) != defaults[name]]
             text = f"a further pickup takes it from the wheel of {self.wheel}; leave it out"
             return [Fault(text, (name,), on_key=True, kind="needless-entry") for name in own]
-        found = []
+        faults = []
         if not self.teeth:
             text = "a toothed wheel needs teeth: 60, or wheel: the channel of the wheel's first pickup"
-            found.append(Fault(text, on_key=True, kind="missing-entry", about="teeth"))
+            faults.append(Fault(text, on_key=True, kind="missing-entry", about="teeth"))
         elif self.missing_teeth and self.missing_teeth >= self.teeth - 1:
             text = f"a wheel of {self.teeth} teeth cannot lack {self.missing_teeth}"
-            found.append(Fault(text, ("missing_teeth",), kind="contradicting-values"))
+            faults.append(Fault(text, ("missing_teeth",), kind="contradicting-values"))
         if self.teeth and self.pitch_errors.list and len(self.pitch_errors.list) != self.teeth:
             text = f"{len(self.pitch_errors.list)} places do not fit a wheel of {self.teeth} teeth"
-            found.append(Fault(text, ("pitch_errors", "list"), kind="wrong-count"))
+            faults.append(Fault(text, ("pitch_errors", "list"), kind="wrong-count"))
         if self.radial_vibration is not None and self.radius is None:
             text = "a radial vibration reads as displacement over radius; give the radius"
-            found.append(Fault(text, ("radial_vibration",), on_key=True, kind="missing-entry"))
-        return found
+            faults.append(Fault(text, ("radial_vibration",), on_key=True, kind="missing-entry"))
+        return faults

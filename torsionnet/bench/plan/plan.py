@@ -104,9 +104,9 @@ class Plan(Declared):
             return [Fault(text, on_key=True, kind="missing-entry", about="excitation")]
         if self.motion is None:
             return list(self._of_motion_only())
-        found = []
+        faults = []
         if self.excitation is not None:
-            found.append(
+            faults.append(
                 Fault(
                     "a bench shakes by excitation: or turns by motion:; leave one out",
                     ("motion",),
@@ -114,7 +114,7 @@ class Plan(Declared):
                 )
             )
         if self.drive:
-            found.append(
+            faults.append(
                 Fault(
                     "drive: belongs to excitation:; a bench that turns has none",
                     ("drive",),
@@ -122,7 +122,7 @@ class Plan(Declared):
                     kind="needless-entry",
                 )
             )
-        return found
+        return faults
 
     def _of_motion_only(self) -> Iterator[Fault]:
         for name, part in self.channels.items():
