@@ -131,11 +131,11 @@ def click_command(name: str, declared: type[Command]) -> click.Command:
         with remedies(words):
             write_answer(command.answer(), command.output)
 
-    forms = {one.name: one for one in parameters(Output)}
-    params = [one for one in parameters(declared) if one.name not in forms]
+    forms = {parameter.name: parameter for parameter in parameters(Output)}
+    params = [parameter for parameter in parameters(declared) if parameter.name not in forms]
     params += [forms[form] for form in declared.forms]
     params += [plot_option(declared.picture).parameter("plot_file", str | None)] if declared.picture else []
-    words = remedy_words([option for one in params for option in one.opts])
+    words = remedy_words([option for parameter in params for option in parameter.opts])
     return CommandWithExamples(name, callback=run, params=params, help=inspect.getdoc(declared))
 
 
@@ -275,15 +275,15 @@ class ModelCommand(Command):
 
         with progress("reading the model", None):
             rig = load_model(self.model)
-            found = list(rig.check())
+            faults = list(rig.check())
         names = _names(rig, self.configurations)
         cases = []
         for name in names:
             changed = rig.configured(name, **dict(self.settings)) if name or self.settings else rig
-            known = {fault.message for fault in found}
-            found += [_of(fault, changed) for fault in changed.check() if fault.message not in known]
+            known = {fault.message for fault in faults}
+            faults += [_of(fault, changed) for fault in changed.check() if fault.message not in known]
             cases.append(ConfiguredCase(changed.configuration, changed))
-        print_faults(found)
+        print_faults(faults)
         return cases
 
     def each(
@@ -292,12 +292,12 @@ class ModelCommand(Command):
         """Results of a function for each case, in their order, while a terminal shows what is calculated for which."""
         from torsionnet.app.cli.terminal import stages
 
-        total, found = (len(cases) if len(cases) > 1 else None), []
+        total, answers = (len(cases) if len(cases) > 1 else None), []
         with stages() as show:
             for done, case in enumerate(cases):
                 show(what, done, total, f"{what} {case.configuration}".strip())
-                found.append(answer(case))
-        return found
+                answers.append(answer(case))
+        return answers
 
     def require_one(self, why: str) -> None:
         """Raise an error with the message given where several configurations are asked for."""

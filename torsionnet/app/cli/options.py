@@ -8,7 +8,7 @@ constant in ``app/cli/options.py``; options that go together are a class of thei
 >>> class Run(Arguments):
 ...     seed: int | None = option("--seed", type=int)
 ...     names: tuple[str, ...] = option("--name")
->>> [one.opts for one in parameters(Run)], Run(seed=3).names
+>>> [option.opts for option in parameters(Run)], Run(seed=3).names
 ([['--seed'], ['--name']], ())
 """
 
@@ -87,11 +87,11 @@ class Arguments:
 
 def parameters(declared: type[Arguments]) -> Iterator[click.Parameter]:
     """Click options and arguments of a class of arguments, those of base classes first."""
-    for name, hint, one in _fields(declared):
-        if one is None:
+    for name, hint, declaration in _fields(declared):
+        if declaration is None:
             yield from parameters(hint)
         else:
-            yield one.parameter(name, hint)
+            yield declaration.parameter(name, hint)
 
 
 def _fields(declared: type[Arguments]) -> Iterator[tuple[str, Any, Declaration | None]]:
@@ -100,9 +100,9 @@ def _fields(declared: type[Arguments]) -> Iterator[tuple[str, Any, Declaration |
     None as the declaration of a field that is a class of arguments.
     """
     for name, hint in get_type_hints(declared).items():
-        found = getattr(declared, name, None)
-        if isinstance(found, Declaration):
-            yield name, hint, found
+        declaration = getattr(declared, name, None)
+        if isinstance(declaration, Declaration):
+            yield name, hint, declaration
         elif isinstance(hint, type) and issubclass(hint, Arguments):
             yield name, hint, None
 

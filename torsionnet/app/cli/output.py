@@ -80,7 +80,7 @@ def matrices_record(rig: Drivetrain) -> MatricesRecord:
 
 def dependent_angles(system: Any) -> dict[str, str]:
     """Angles of the nodes that are no coordinates, as text in terms of the coordinates, by node."""
-    found = {}
+    angles = {}
     for row, node in enumerate(system.nodes):
         if node not in system.coordinates:
             terms = [
@@ -88,8 +88,8 @@ def dependent_angles(system: Any) -> dict[str, str]:
                 for column, name in enumerate(system.coordinates)
                 if system.T[row, column] != 0
             ]
-            found[node] = " + ".join(terms) or "0"
-    return found
+            angles[node] = " + ".join(terms) or "0"
+    return angles
 
 
 def matrix_rows(rig: Drivetrain, symbol: str) -> list[list[float]]:
@@ -153,7 +153,8 @@ def study_json(study: Study, answered: AnsweredStudy) -> dict[str, Any]:
     Statistics of its variants, if it has any, between the title and the answers.
     """
     answers = {
-        name: ConclusionRow(answered.sentences(name), one.to_data()) for name, one in answered.conclusions.items()
+        name: ConclusionRow(answered.sentences(name), conclusion.to_data())
+        for name, conclusion in answered.conclusions.items()
     }
     unanswered = {name: str(error) for name, error in answered.unanswered.items()}
     record = to_json(StudyRecord(study.title, answers, unanswered or None))
@@ -164,7 +165,7 @@ def study_json(study: Study, answered: AnsweredStudy) -> dict[str, Any]:
 def study_schema() -> Schema:
     """JSON Schema of the data of a study that :func:`study_json` returns."""
     fields = (*out_fields(StatisticsRecord), *out_fields(StudyRecord))
-    properties = {str(one.key): one.schema() for one in fields}
+    properties = {str(field.key): field.schema() for field in fields}
     return record_schema(properties, optional=properties.keys() - {"title", "answers"})
 
 

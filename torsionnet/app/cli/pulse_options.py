@@ -142,17 +142,17 @@ class PulseOptions(RecordReading):
                 )
             texts[name] = text or texts.get(name, "")
         self._check_names([*texts, *marks])
-        found: dict[str, WheelOfTest] = {}
+        wheels: dict[str, WheelOfTest] = {}
         faults: list[Fault] = []
         for name, text in texts.items():
             of_own = dict(zip(_TEETH, text.split("-", 1), strict=False)) if text else {}
             wheel, wrong = _wheel({**self._settings(name, _ENTRIES), **of_own})
             faults += [replace(fault, message=f"{name}: {fault.message}", path=()) for fault in wrong]
             if wheel:
-                found[name] = wheel
+                wheels[name] = wheel
         if faults:
             raise ModelError(faults, "--pulses")
-        return found
+        return wheels
 
     def marks(
         self, names: Iterable[str | None], wheels: Mapping[str, WheelOfTest], *, like: str = ""
@@ -169,10 +169,10 @@ class PulseOptions(RecordReading):
         """
         from torsionnet.signals.rotation.counter import PulseReading
 
-        found: dict[str, PulseReading] = {}
+        readings: dict[str, PulseReading] = {}
         for name in filter(None, names):
             if self.wheels_file:
-                found[name] = _reading_of_file(name, wheels, like)
+                readings[name] = _reading_of_file(name, wheels, like)
                 continue
             own = {**self._settings(name, _COUNTS), **self._of_own(name)}
             if like:
@@ -185,8 +185,8 @@ class PulseOptions(RecordReading):
                     replace(fault, message=f"{name}: {_option(fault)}{fault.message}", path=()) for fault in faults
                 ]
                 raise ModelError(texts, "--pulses")
-            found[name] = reading
-        return found
+            readings[name] = reading
+        return readings
 
     def _of_file(self, file: str, also: Sequence[NamedWheel]) -> dict[str, WheelOfTest]:
         from torsionnet.io.wheel_files import read_wheels
@@ -250,7 +250,7 @@ def _reading_of_file(name: str, wheels: Mapping[str, WheelOfTest], like: str) ->
     if like:
         return replace(wheels[like].channel, second="")
     first = next(iter(wheels.values()))
-    return counted_reading(next((one for one in wheels.values() if one.channel.index == name), first).channel)
+    return counted_reading(next((wheel for wheel in wheels.values() if wheel.channel.index == name), first).channel)
 
 
 def _wheel(given: dict[str, str]) -> tuple[WheelOfTest | None, list[Fault]]:

@@ -117,10 +117,10 @@ class RecordSpan(Arguments):
             from torsionnet.signals.calculus import without_delays
 
             record = without_delays(record, dict(self.delays))
-        found = record.between(self.start, self.stop)
-        if not (len(found) or any(map(len, found.pulses))):
-            raise UsageError(f"nothing of the record lies there: {found.notes[-1]}", kind="out-of-range")
-        return found
+        part = record.between(self.start, self.stop)
+        if not (len(part) or any(map(len, part.pulses))):
+            raise UsageError(f"nothing of the record lies there: {part.notes[-1]}", kind="out-of-range")
+        return part
 
 
 class Averaging(Arguments):
@@ -233,10 +233,10 @@ def load_record(
     if recording_files.is_large_record(path) and not has_pulses:
         return _checked_blocks(path, reading, wanted, window, advance, span, tests=tests)
     read: Callable[..., Recording | list[Recording]] = read_tests if tests and not has_pulses else read_recording
-    found = read(path, names=wanted, **reading.arguments)
-    if isinstance(found, list) and len(found) > 1:
-        return _checked_tests(found, reading, path, window, advance)
-    record = found[0] if isinstance(found, list) else found
+    read_records = read(path, names=wanted, **reading.arguments)
+    if isinstance(read_records, list) and len(read_records) > 1:
+        return _checked_tests(read_records, reading, path, window, advance)
+    record = read_records[0] if isinstance(read_records, list) else read_records
     record = record if span is None else span.cut(record)  # what is cut away may be faulty
     record = checked_record(record, reading, path, window)
     advance(record.duration)
@@ -267,14 +267,14 @@ def _notes(record: Recording) -> dict[Note, None]:
 
 
 def _checked_tests(
-    found: Sequence[Recording], reading: RecordReading, path: str, window: float, advance: Callable[[float], None]
+    blocks: Sequence[Recording], reading: RecordReading, path: str, window: float, advance: Callable[[float], None]
 ) -> list[Recording]:
     """Checked blocks of a file that do not follow each other; that each has few windows is no fault."""
-    _tell_notes(found[-1])  # how many blocks there are is known at the end
-    records = [_even(record, reading, path) for record in found]
+    _tell_notes(blocks[-1])  # how many blocks there are is known at the end
+    records = [_even(record, reading, path) for record in blocks]
     for record in records:
         faults = check_recording(record, window)
-        _refuse([one for one in faults if one.severity == "error" or one.kind != "too-short"], path)
+        _refuse([fault for fault in faults if fault.severity == "error" or fault.kind != "too-short"], path)
         advance(record.duration)
     return records
 

@@ -132,7 +132,7 @@ def _print_framed(table: Table) -> None:
 def blank_zero_shares(table: Table) -> Table:
     """Copy of a table of energy shares with two decimals and empty cells for zeros."""
     rows = tuple((row[0], *(share or None for share in row[1:])) for row in table.rows)
-    return replace(table, columns=tuple(replace(one, decimals=2) for one in table.columns), rows=rows)
+    return replace(table, columns=tuple(replace(column, decimals=2) for column in table.columns), rows=rows)
 
 
 # Progress bars on stderr, shown only in a terminal.

@@ -84,8 +84,8 @@ class BenchCommand(Command):
         benches = _benches(bench, self.configurations, dict(self.settings))
         results = []
         with progress("testing", len(benches)) as advance:
-            for name, one in benches:
-                records, faults = _tested(one, self.seed, truth=self.truth)
+            for name, tested in benches:
+                records, faults = _tested(tested, self.seed, truth=self.truth)
                 for point, record in records.items():
                     called = "_".join(filter(None, (name, point)))
                     path = result_path(target, called, len(benches) * len(records) if called else 1)
@@ -124,8 +124,8 @@ def _tested(
         return bench.truths, {}
     if bench.plan.motion is None:
         return bench.records(seed), {}
-    found = bench.turned(seed)
-    return found.records, found.faults
+    test = bench.turned(seed)
+    return test.records, test.faults
 
 
 def _screen(results: list[BenchRun]) -> Iterator[Table | str]:
@@ -204,9 +204,9 @@ class CampaignCommand(Command):
             result = run_campaign(
                 campaign, self.folder, progress=lambda words, done, total: show("records", done, total, words)
             )
-        for one in result.findings:
-            if one.consequence:
-                message("error" if one.consequence == "fails" else "warning", one.remark)
+        for finding in result.findings:
+            if finding.consequence:
+                message("error" if finding.consequence == "fails" else "warning", finding.remark)
         for verdict in () if result.fit is None else result.fit.verdicts:
             message("warning", verdict)
         return result
@@ -229,8 +229,8 @@ class CampaignCommand(Command):
 
 def _csv(result: CampaignResult, conventions: Conventions) -> list[tuple[str, Table]]:
     """Verdicts on orders, and the lines of the frequency responses, each where the campaign has them."""
-    found = [("orders", result.verdict_table())] if result.campaign.of_orders else []
-    return found + ([("responses", result.response_lines(conventions))] if result.campaign.of_responses else [])
+    tables = [("orders", result.verdict_table())] if result.campaign.of_orders else []
+    return tables + ([("responses", result.response_lines(conventions))] if result.campaign.of_responses else [])
 
 
 def _campaign_screen(result: CampaignResult, conventions: Conventions) -> Iterator[Table | str]:
@@ -243,21 +243,21 @@ def _campaign_screen(result: CampaignResult, conventions: Conventions) -> Iterat
         None if result.fit is None else result.fit.table(),
         None if result.ranking is None else result.ranking.table(),
     )
-    for one in tables:
-        if one is not None:
+    for table in tables:
+        if table is not None:
             yield ""
-            yield one
+            yield table
 
 
 def _figures(plot: ModuleType, result: CampaignResult, conventions: Conventions) -> Iterator[tuple[str, Figure]]:
     from torsionnet.plot.order_overlay_plot import order_overlay
 
-    for name, found in result.records.items():
-        if found.calculated is not None and found.tests:
+    for name, record in result.records.items():
+        if record.calculated is not None and record.tests:
             title = f"{result.campaign.title}: {name}"
-            yield name, order_overlay(found.calculated, found.tests, conventions=conventions, title=title)
-    for name, one in result.responses.items():
-        for test, model in one.pairs():
+            yield name, order_overlay(record.calculated, record.tests, conventions=conventions, title=title)
+    for name, response in result.responses.items():
+        for test, model in response.pairs():
             yield (
                 f"{name}_{test.outputs[0].name}",
                 plot.comparison(test, model, conventions=conventions, title=f"{result.campaign.title}: {name}"),

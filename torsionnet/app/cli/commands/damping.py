@@ -86,14 +86,14 @@ class DampingCommand(RecordCommand):
 
     def answer(self) -> Answer:
         self._check()
-        found = self._found()
-        compared = _compared(found, self.model, self.configuration) if self.model else None
-        print_warnings(found.notes)
+        modes = self._found()
+        compared = _compared(modes, self.model, self.configuration) if self.model else None
+        print_warnings(modes.notes)
         return Answer(
-            screen=lambda: separated_by_lines([found.table(), *([compared.table()] if compared else [])]),
-            data=lambda: replace(found, against_model=compared),
-            csv=lambda: [("", found.table())],
-            figures=lambda plot: [("", plot.operational_modes(found))],
+            screen=lambda: separated_by_lines([modes.table(), *([compared.table()] if compared else [])]),
+            data=lambda: replace(modes, against_model=compared),
+            csv=lambda: [("", modes.table())],
+            figures=lambda plot: [("", plot.operational_modes(modes))],
         )
 
     def _check(self) -> None:
@@ -150,7 +150,7 @@ class DampingCommand(RecordCommand):
         orders = self.orders or ()
         if len(orders) > 1:
             raise WrongUsage("a tracked order is read alone: give one of --orders", kind="wrong-count")
-        tracked = {one.name: one for one in read_tracked_orders(self.record)}
+        tracked = {tracked_order.name: tracked_order for tracked_order in read_tracked_orders(self.record)}
         name = self.channels[0]
         if name not in tracked:
             text = f'no tracked channel is named "{name}"{did_you_mean(name, tracked)}'
@@ -173,7 +173,7 @@ class DampingCommand(RecordCommand):
         from torsionnet.app.cli.terminal import progress
         from torsionnet.signals.recording import Recording
 
-        names = [*self.channels, *(one for one in (self.speed_channel, self.angle_channel) if one)]
+        names = [*self.channels, *(channel for channel in (self.speed_channel, self.angle_channel) if channel)]
         wheels = self.reading.wheels([NamedWheel(name) for name in names])
         unused = [name for name in wheels if name not in names]
         if unused and not self.reading.wheels_file:
@@ -182,8 +182,8 @@ class DampingCommand(RecordCommand):
         if used := {name: wheel for name, wheel in wheels.items() if name in names}:
             return self._turning(used, [name for name in names if name not in used])
         with progress("reading", None) as advance:
-            found = load_record(self.record, self.reading, names, 0.0, advance)
-            return found if isinstance(found, Recording) else _joined(list(found))
+            record = load_record(self.record, self.reading, names, 0.0, advance)
+            return record if isinstance(record, Recording) else _joined(list(record))
 
     def _turning(self, wheels: dict[str, WheelOfTest], kept: list[str]) -> Recording:
         """Recording of the channels kept, with the angle (rad) of each wheel, or its speed (rad/s), by its name."""
@@ -192,12 +192,12 @@ class DampingCommand(RecordCommand):
         from torsionnet.signals.rotation.rotations_of_wheels import angle_record, rotations_of_wheels
 
         channels = channels_of(wheels)
-        marks = self.reading.marks({one.index for one in channels.values()}, wheels)
+        marks = self.reading.marks({wheel.index for wheel in channels.values()}, wheels)
         record = read_turning_record(self.record, channels, marks, kept, **self.reading.arguments)
         rotations = rotations_of_wheels(record, channels, patterns_of(wheels), marks=marks)
         made = angle_record(record, tuple(rotations.values()), keep=kept, sampling_rate=self.reading.rate)
         named = {f"{name} {'speed' if name == self.speed_channel else 'angle'}": name for name in wheels}
-        signals = [*(made[name] for name in kept), *(replace(made[one], name=name) for one, name in named.items())]
+        signals = [*(made[name] for name in kept), *(replace(made[wheel], name=name) for wheel, name in named.items())]
         return checked_record(replace(made, signals=tuple(signals), pulses=()), self.reading, self.record)
 
 
@@ -237,10 +237,10 @@ def _quantity(record: Recording, name: str, quantity: str) -> FloatArray:
     return signal.values
 
 
-def _compared(found: OperationalModes, model: str, configuration: str) -> Match:
+def _compared(modes: OperationalModes, model: str, configuration: str) -> Match:
     from torsionnet.loading import load
     from torsionnet.modal import match
 
     rig = load(model)
     rig = rig.configured(configuration) if configuration else rig
-    return match(found, rig.modes())
+    return match(modes, rig.modes())

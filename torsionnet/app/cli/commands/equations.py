@@ -63,7 +63,7 @@ class EquationsCommand(ModelCommand):
         cases = self.cases()
         return Answer(
             screen=lambda: self._parts(cases),
-            data=lambda: [case.data(found) for case in cases for found in self._results(case)],
+            data=lambda: [case.data(equations) for case in cases for equations in self._results(case)],
         )
 
     def _refuse_what_would_be_ignored(self) -> None:
@@ -89,7 +89,7 @@ class EquationsCommand(ModelCommand):
                 yield case.drivetrain.symbolic().to_latex() if self.latex else equations_text(case.drivetrain)
             for place, pair in enumerate(self.pairs):
                 yield from [""] if place else []
-                found, short = self._found(case.drivetrain, pair)
+                function, short = self._found(case.drivetrain, pair)
                 # What is not the expression is a comment, so that the whole can be pasted.
                 mark = "% " if self.latex else "# " if self.form == "python" else ""
                 yield f"{mark}{case.drivetrain.title}: {pair}"
@@ -97,15 +97,15 @@ class EquationsCommand(ModelCommand):
                     low, high = short.band
                     yield f"{mark}left out: {'; '.join(short.changes) or 'nothing'}"
                     yield f"{mark}error {low:g} to {high:g} Hz: {short.errors}"
-                yield self._written(found)
+                yield self._written(function)
 
     def _results(self, case: ConfiguredCase) -> Iterator[EquationsOfMotion | WrittenTransferFunction]:
         if not self.pairs:
             yield equations_of_motion(case.drivetrain)
         for pair in self.pairs:
-            found, short = self._found(case.drivetrain, pair)
+            function, short = self._found(case.drivetrain, pair)
             more = (short.changes, short.band, short.errors) if short is not None else ()
-            yield WrittenTransferFunction(str(pair), self._written(found), *more)
+            yield WrittenTransferFunction(str(pair), self._written(function), *more)
 
     def _found(self, rig: Drivetrain, pair: Pair) -> tuple[TransferFunction, Simplified | None]:
         symbolic = rig.symbolic()
@@ -115,9 +115,9 @@ class EquationsCommand(ModelCommand):
         short = symbolic.simplified(*names, tolerance=self.simplify, band=self.band)
         return short.transfer_function, short
 
-    def _written(self, found: TransferFunction) -> str:
+    def _written(self, function: TransferFunction) -> str:
         form = self.form or "mechanical"
-        return found.to_latex(form) if self.latex else found.to_text(form)
+        return function.to_latex(form) if self.latex else function.to_text(form)
 
 
 def equations_text(rig: Drivetrain) -> str:
@@ -128,8 +128,8 @@ def equations_text(rig: Drivetrain) -> str:
     lines = [f"{rig.title}: equations of motion (' is d/dt)"]
     for name, equation in zip(system.coordinates, system.equations(), strict=True):
         lines += [f"{name}:", *_folded(equation)]
-    for one, law in zip(system.actions, system.laws(), strict=True):
-        lines += [f"{one.owner}:", *_folded(law)]
+    for action, law in zip(system.actions, system.laws(), strict=True):
+        lines += [f"{action.owner}:", *_folded(law)]
     others = [f"theta_{node} = {text}" for node, text in dependent_angles(system).items()]
     others += [f"{name} = {for_display(formula)}" for name, formula in system.formulas.items()]
     lines += ["where", *(f"    {text}" for text in others)] if others else []

@@ -137,8 +137,8 @@ def _places(response: FrequencyResponse, o: int, i: int) -> list[tuple[str, int]
 
     if not len(response.frequencies):
         return []
-    found = significant_peaks(response.between(0, above_noise_up_to(response, o)).magnitude[:, o, i])
-    return [("first line", 0), *((f"peak {number}", index) for number, index in enumerate(found, 1))]
+    peaks = significant_peaks(response.between(0, above_noise_up_to(response, o)).magnitude[:, o, i])
+    return [("first line", 0), *((f"peak {number}", index) for number, index in enumerate(peaks, 1))]
 
 
 # Command ``torsionnet compare``, which compares a record with a model.
@@ -234,12 +234,12 @@ def _calculated(
     """Calculated response of the model at the frequencies of the test, under the test's channel names."""
     from dataclasses import replace
 
-    found = drivetrain.frequency_response(output, into, test.frequencies, driven_by=excitation)
+    response = drivetrain.frequency_response(output, into, test.frequencies, driven_by=excitation)
     same = [
         tuple(replace(channel, name=other.name) for channel, other in zip(mine, theirs, strict=True))
-        for mine, theirs in ((found.outputs, test.outputs), (found.inputs, test.inputs))
+        for mine, theirs in ((response.outputs, test.outputs), (response.inputs, test.inputs))
     ]
-    return replace(found, outputs=same[0], inputs=same[1])
+    return replace(response, outputs=same[0], inputs=same[1])
 
 
 def _full(test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions) -> Table:
@@ -311,14 +311,14 @@ class IdentifyModesCommand(EstimateArguments):
         )
         if self.band is None and response.usable_up_to is not None:
             response = response.between(0, response.usable_up_to)
-        found, diagram = _identified(response, self.method, self.model_order)
-        compared = _compared(found, self.model, self.configuration, self.inputs) if self.model else None
-        print_warnings(found.notes)
+        estimate, diagram = _identified(response, self.method, self.model_order)
+        compared = _compared(estimate, self.model, self.configuration, self.inputs) if self.model else None
+        print_warnings(estimate.notes)
         return Answer(
-            screen=lambda: separated_by_lines([found.table(), *([compared.table()] if compared else [])]),
-            data=lambda: replace(found, against_model=compared),
-            csv=lambda: [("", found.table())],
-            figures=lambda plot: [("", plot.stabilisation(diagram, found))],
+            screen=lambda: separated_by_lines([estimate.table(), *([compared.table()] if compared else [])]),
+            data=lambda: replace(estimate, against_model=compared),
+            csv=lambda: [("", estimate.table())],
+            figures=lambda plot: [("", plot.stabilisation(diagram, estimate))],
         )
 
 
@@ -332,14 +332,14 @@ def _identified(response: FrequencyResponse, method: Any, order: int | None) -> 
     return identify_modes(diagram), diagram
 
 
-def _compared(found: ModalEstimate, model: str, configuration: str, inputs: tuple[str, ...]) -> Match:
+def _compared(estimate: ModalEstimate, model: str, configuration: str, inputs: tuple[str, ...]) -> Match:
     from torsionnet.loading import load
     from torsionnet.modal import match
 
     rig = load(model)
     rig = rig.configured(configuration) if configuration else rig
     measured = [name for name in inputs if name in rig.sensors]
-    return match(found, rig.modes(measured_input=measured) if measured else rig.modes())
+    return match(estimate, rig.modes(measured_input=measured) if measured else rig.modes())
 
 
 # Stepped sines at several amplitudes on the command line: of a record alone, and over an element of a model.
@@ -373,12 +373,12 @@ class SteppedComparison:
 
 def stepped_answer(record: str, reading: RecordReading, outputs: tuple[str, ...], inputs: tuple[str, ...]) -> Answer:
     """Answer on the first harmonics at the steps of a record."""
-    found = _found(record, reading, outputs, inputs)
+    stepped = _found(record, reading, outputs, inputs)
     return Answer(
-        screen=lambda: [found.table()],
-        data=lambda: found,
-        csv=lambda: [("", found.table())],
-        figures=lambda _: [("", _figure(found, None))],
+        screen=lambda: [stepped.table()],
+        data=lambda: stepped,
+        csv=lambda: [("", stepped.table())],
+        figures=lambda _: [("", _figure(stepped, None))],
     )
 
 
@@ -386,14 +386,14 @@ def stepped_comparison(
     record: str, reading: RecordReading, channels: tuple[str, str], drivetrain: Drivetrain, sensors: tuple[str, str]
 ) -> Answer:
     """Answer on a record over the element that two sensors of a model measure."""
-    found = _found(record, reading, channels[:1], channels[1:])
+    stepped = _found(record, reading, channels[:1], channels[1:])
     element = _element(drivetrain, sensors)
-    table, model = found.compared(drivetrain, element), found.model_stiffness(drivetrain, element)
+    table, model = stepped.compared(drivetrain, element), stepped.model_stiffness(drivetrain, element)
     return Answer(
         screen=lambda: [table],
-        data=lambda: SteppedComparison(found, element, model),
+        data=lambda: SteppedComparison(stepped, element, model),
         csv=lambda: [("", table)],
-        figures=lambda _: [("", _figure(found, model))],
+        figures=lambda _: [("", _figure(stepped, model))],
     )
 
 
@@ -411,8 +411,8 @@ def _found(record: str, reading: RecordReading, outputs: tuple[str, ...], inputs
 
 def _element(drivetrain: Drivetrain, sensors: tuple[str, str]) -> str:
     """Element of which the first sensor measures the torque and the second the twist."""
-    found = [drivetrain.sensors.get(name) for name in sensors]
-    torque, twist = (None if one is None else (one.quantity, one.of) for one in found)
+    named = [drivetrain.sensors.get(name) for name in sensors]
+    torque, twist = (None if sensor is None else (sensor.quantity, sensor.of) for sensor in named)
     if torque is None or twist is None or torque[0] != "torque" or twist[0] != "twist" or torque[1] != twist[1]:
         raise WrongUsage(
             "--stepped compares the torque of an element, a sensor {torque: ELEMENT}, over its twist, a sensor "
@@ -422,7 +422,7 @@ def _element(drivetrain: Drivetrain, sensors: tuple[str, str]) -> str:
     return torque[1]
 
 
-def _figure(found: SteppedStiffness, model: Any) -> Any:
+def _figure(stepped: SteppedStiffness, model: Any) -> Any:
     from torsionnet.plot.loops_plot import stepped_stiffness
 
-    return stepped_stiffness(found, model)
+    return stepped_stiffness(stepped, model)

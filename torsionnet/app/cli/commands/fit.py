@@ -58,21 +58,21 @@ class FitCommand(Command):
             _announce(plan)
             if not plan.parameters:
                 return self._ranked(rank_causes(plan.model, plan.measurements, residual=_residual(plan)))
-            found = identify(plan.model, plan.measurements, plan.parameters, **plan.options)
-            profiles = {name: found.profile(name) for name in found.values} if self.profile else {}
-            ranking = rank_causes(found) if self.rank else None
-        for verdict in found.verdicts:
+            fit = identify(plan.model, plan.measurements, plan.parameters, **plan.options)
+            profiles = {name: fit.profile(name) for name in fit.values} if self.profile else {}
+            ranking = rank_causes(fit) if self.rank else None
+        for verdict in fit.verdicts:
             message("warning", verdict)
-        table = found.table(true=plan.true or None)
+        table = fit.table(true=plan.true or None)
         return Answer(
             screen=lambda: _screen(table, profiles, ranking),
-            data=lambda: FitAnswer(found, ranking, profiles, plan.true),
+            data=lambda: FitAnswer(fit, ranking, profiles, plan.true),
             csv=lambda: [("", table)],
             files=[
-                (self.output_file, found.to_yaml),
-                (self.model_file, lambda file: found.configured(plan.model).to_yaml(file)),
+                (self.output_file, fit.to_yaml),
+                (self.model_file, lambda file: fit.configured(plan.model).to_yaml(file)),
             ],
-            figures=lambda plot: [("", plot.fit(found, conventions=Conventions(angle="deg")))],
+            figures=lambda plot: [("", plot.fit(fit, conventions=Conventions(angle="deg")))],
         )
 
     def _ranked(self, ranking: Ranking) -> Answer:
@@ -113,12 +113,12 @@ def _announce(plan: FitPlan) -> None:
     from torsionnet.signals.recording import Recording
 
     demands = []
-    for one in plan.measurements:
-        record, settings = one.data, one.settings
+    for measurement in plan.measurements:
+        record, settings = measurement.data, measurement.settings
         if isinstance(record, Recording) and settings is not None:
             limit = usable_up_to(record.sampling_rate, settings.decimation)
             if settings.decimation > 1:
                 rate = record.sampling_rate / settings.decimation
-                message("note", f"{one.label}: decimated by {settings.decimation} to {rate:g} Hz")
-            demands.append(memory_demand(record, settings, one.band or (0.0, limit)))
+                message("note", f"{measurement.label}: decimated by {settings.decimation} to {rate:g} Hz")
+            demands.append(memory_demand(record, settings, measurement.band or (0.0, limit)))
     note_memory(total_memory(demands), "narrower bands, or shorter windows (seconds), take less")

@@ -66,16 +66,16 @@ class LimitsCommand(ModelCommand):
         if self.measured:
             self.require_one("a test is of one configuration: name one with -c")
         cases = self.cases()
-        found = self.each("limits", cases, self._checked)
-        overall = LimitConclusion(tuple(found))
-        tests = self._tests(cases[0], found[0]) if self.measured else ()
+        checks = self.each("limits", cases, self._checked)
+        overall = LimitConclusion(tuple(checks))
+        tests = self._tests(cases[0], checks[0]) if self.measured else ()
         return Answer(
             screen=lambda: self._shown(cases, overall, tests, conventions),
-            data=lambda: [ConcludedCheck(**vars(one), overall=overall, measured=tests or None) for one in found],
-            csv=lambda: [("", self.combined_table(cases, [one.long_table() for one in found]))],
+            data=lambda: [ConcludedCheck(**vars(check), overall=overall, measured=tests or None) for check in checks],
+            csv=lambda: [("", self.combined_table(cases, [check.long_table() for check in checks]))],
             figures=lambda plot: [
-                (case.configuration, plot.limit_check(one, conventions=conventions, measured=tests))
-                for case, one in zip(cases, found, strict=True)
+                (case.configuration, plot.limit_check(check, conventions=conventions, measured=tests))
+                for case, check in zip(cases, checks, strict=True)
             ],
             exit_code=_exit_code(overall.verdict),
         )
@@ -103,17 +103,17 @@ class LimitsCommand(ModelCommand):
         if len(overall.checks) > 1:
             yield replace(overall.worst_table(conventions), title=f"{cases[0].drivetrain.name}: worst of every limit")
             yield ""
-        table = self.combined_table(cases, [one.table(conventions) for one in overall.checks])
+        table = self.combined_table(cases, [check.table(conventions) for check in overall.checks])
         yield replace(table, title=f"{cases[0].drivetrain.name}: limits", notes=())
         yield ""
         yield from table.notes
-        conditions = [(one.configuration, one.drivetrain.definition.excitations) for one in cases]
+        conditions = [(case.configuration, case.drivetrain.definition.excitations) for case in cases]
         for engine, names in conditions_running_alone(conditions).items():
             yield f"running on {engine} alone: {'examined in ' + ', '.join(names) if names else 'not examined'}"
         yield ""
-        worse = [one for one in overall.checks if one.verdict != PASS] if len(overall.checks) > 1 else []
-        for one in worse:
-            yield f"{one.configuration}: {one.finding()}"
+        worse = [check for check in overall.checks if check.verdict != PASS] if len(overall.checks) > 1 else []
+        for check in worse:
+            yield f"{check.configuration}: {check.finding()}"
         if worse:
             yield ""
         if tests:
@@ -192,14 +192,14 @@ class DamperCommand(ModelCommand):
 
         conventions = Conventions(angle=self.angle)
         cases = self.cases()
-        found = self.each("damper", cases, self._designed)
-        pairs = list(zip(cases, found, strict=True))
+        designs = self.each("damper", cases, self._designed)
+        pairs = list(zip(cases, designs, strict=True))
         return Answer(
-            screen=lambda: separated_by_lines([one.table(conventions) for one in found]),
-            data=lambda: found,
-            csv=lambda: [("", self.combined_table(cases, [one.effect_table() for one in found]))],
+            screen=lambda: separated_by_lines([design.table(conventions) for design in designs]),
+            data=lambda: designs,
+            csv=lambda: [("", self.combined_table(cases, [design.effect_table() for design in designs]))],
             figures=lambda plot: [
-                (case.configuration, plot.damper_design(one, conventions=conventions)) for case, one in pairs
+                (case.configuration, plot.damper_design(design, conventions=conventions)) for case, design in pairs
             ],
         )
 

@@ -62,17 +62,17 @@ class LoopsCommand(RecordCommand):
         from torsionnet.base.conventions import Conventions
         from torsionnet.io.loop_element import write_loop_element
 
-        found, shown = self.found(), Conventions(angle=self.angle)
-        print_warnings(found.notes)
+        loops, shown = self.found(), Conventions(angle=self.angle)
+        print_warnings(loops.notes)
         return Answer(
-            screen=lambda: [found.table(shown)],
-            data=lambda: found,
-            csv=lambda: [("", found.table(shown))],
+            screen=lambda: [loops.table(shown)],
+            data=lambda: loops,
+            csv=lambda: [("", loops.table(shown))],
             files=[
-                (self.output_file, found.to_json),
-                (self.model_file, lambda file: write_loop_element(found, file)),
+                (self.output_file, loops.to_json),
+                (self.model_file, lambda file: write_loop_element(loops, file)),
             ],
-            figures=lambda _: [("", found.figure(conventions=shown))],
+            figures=lambda _: [("", loops.figure(conventions=shown))],
         )
 
     def found(self) -> TorqueLoops:

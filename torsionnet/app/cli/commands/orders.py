@@ -86,19 +86,19 @@ class OrdersCommand(ModelCommand):
         if self.measured:
             self.require_one("a test is of one configuration: name one with -c")
         cases = self.cases()
-        found = self.each("orders", cases, self._run)
-        tests = self._tests(cases[0], found[0]) if self.measured else {}
-        fast = self._swept(cases[0], found[0])
+        runs = self.each("orders", cases, self._run)
+        tests = self._tests(cases[0], runs[0]) if self.measured else {}
+        fast = self._swept(cases[0], runs[0])
         return Answer(
-            screen=lambda: self._compared(found[0], tests, fast, conventions) if tests else _shown(found, conventions),
+            screen=lambda: self._compared(runs[0], tests, fast, conventions) if tests else _shown(runs, conventions),
             data=lambda: [
                 orders_record(run, case.configuration, tests, fast.orders)
-                for case, run in zip(cases, found, strict=True)
+                for case, run in zip(cases, runs, strict=True)
             ],
-            csv=lambda: [("", self.combined_table(cases, [run.long_table() for run in found]))],
+            csv=lambda: [("", self.combined_table(cases, [run.long_table() for run in runs]))],
             figures=lambda plot: [
                 (case.configuration + ending, figure)
-                for case, run in zip(cases, found, strict=True)
+                for case, run in zip(cases, runs, strict=True)
                 for ending, figure in self._pictures(plot, run, tests, fast.orders, conventions)
             ],
         )
@@ -163,8 +163,8 @@ class OrdersCommand(ModelCommand):
         )
 
 
-def _shown(found: list[OrderResponse], conventions: Any) -> Iterator[Table | str]:
-    for number, (run, channel) in enumerate((one, channel) for one in found for channel in one.outputs):
+def _shown(runs: list[OrderResponse], conventions: Any) -> Iterator[Table | str]:
+    for number, (run, channel) in enumerate((run, channel) for run in runs for channel in run.outputs):
         yield from [""] if number else []
         yield run.table(channel.name, conventions)
 
@@ -216,13 +216,15 @@ class CriticalSpeedsCommand(ModelCommand):
     def answer(self) -> Answer:
         cases = self.cases()
         each = self.each("critical speeds", cases, self._run)
-        found = [one.in_conditions([other for other in each if other is not one]) for one in each]
-        pairs = list(zip(cases, found, strict=True))
+        speeds_of_cases = [speeds.in_conditions([other for other in each if other is not speeds]) for speeds in each]
+        pairs = list(zip(cases, speeds_of_cases, strict=True))
         return Answer(
-            screen=lambda: separated_by_lines(part for one in found for part in _critical_speeds_shown(one)),
-            data=lambda: found,
-            csv=lambda: [("", self.combined_table(cases, [one.table() for one in found]))],
-            figures=lambda plot: [(case.configuration, self._picture(plot, one)) for case, one in pairs],
+            screen=lambda: separated_by_lines(
+                part for speeds in speeds_of_cases for part in _critical_speeds_shown(speeds)
+            ),
+            data=lambda: speeds_of_cases,
+            csv=lambda: [("", self.combined_table(cases, [speeds.table() for speeds in speeds_of_cases]))],
+            figures=lambda plot: [(case.configuration, self._picture(plot, speeds)) for case, speeds in pairs],
         )
 
     def _run(self, case: ConfiguredCase) -> CriticalSpeeds:
@@ -237,18 +239,22 @@ class CriticalSpeedsCommand(ModelCommand):
             damper=self.damper or None,
         )
 
-    def _picture(self, plot: ModuleType, found: CriticalSpeeds) -> Figure:
+    def _picture(self, plot: ModuleType, speeds: CriticalSpeeds) -> Figure:
         if self.stars is None:
-            return plot.interference_diagram(found)  # type: ignore[no-any-return]
-        found.mode(self.stars)
-        stars = [one.star for one in found.crossings if one.mode.number == self.stars and one.star is not None]
+            return plot.interference_diagram(speeds)  # type: ignore[no-any-return]
+        speeds.mode(self.stars)
+        stars = [
+            crossing.star
+            for crossing in speeds.crossings
+            if crossing.mode.number == self.stars and crossing.star is not None
+        ]
         several = [star for star in stars if len(star.vectors) > 1]
         return plot.star_diagrams(several or stars)  # type: ignore[no-any-return]
 
 
-def _critical_speeds_shown(found: CriticalSpeeds) -> Iterator[Table]:
-    yield found.mode_table()
-    yield found.table()
+def _critical_speeds_shown(speeds: CriticalSpeeds) -> Iterator[Table]:
+    yield speeds.mode_table()
+    yield speeds.table()
 
 
 # Command ``torsionnet holzer``, which prints the Holzer table of a mode or a trial frequency.
@@ -292,11 +298,15 @@ class HolzerCommand(ModelCommand):
                 kind="missing-entry",
             )
         cases = self.cases()
-        found = self.each("Holzer table", cases, self._run)
+        results = self.each("Holzer table", cases, self._run)
         return Answer(
-            screen=lambda: separated_by_lines(table for one in found for table in one.tables(referred=self.referred)),
-            data=lambda: found,
-            csv=lambda: [("", self.combined_table(cases, [one.table(referred=self.referred) for one in found]))],
+            screen=lambda: separated_by_lines(
+                table for result in results for table in result.tables(referred=self.referred)
+            ),
+            data=lambda: results,
+            csv=lambda: [
+                ("", self.combined_table(cases, [result.table(referred=self.referred) for result in results]))
+            ],
         )
 
     def _run(self, case: ConfiguredCase) -> HolzerTable:

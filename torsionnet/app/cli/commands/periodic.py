@@ -71,14 +71,16 @@ class PeriodicCommand(ModelCommand):
         conventions = Conventions(angle=self.angle)
         over = self._driven()
         cases = self.cases()
-        found = self.each("periodic", cases, lambda case: self._run(case, over))
+        responses = self.each("periodic", cases, lambda case: self._run(case, over))
         return Answer(
-            screen=lambda: separated_by_lines(one.table(conventions) for one in found),
-            data=lambda: [PeriodicRecord.of(one, case.configuration) for case, one in zip(cases, found, strict=True)],
-            csv=lambda: [("", self.combined_table(cases, [one.table(conventions) for one in found]))],
+            screen=lambda: separated_by_lines(response.table(conventions) for response in responses),
+            data=lambda: [
+                PeriodicRecord.of(response, case.configuration) for case, response in zip(cases, responses, strict=True)
+            ],
+            csv=lambda: [("", self.combined_table(cases, [response.table(conventions) for response in responses]))],
             figures=lambda plot: [
-                (case.configuration, plot.periodic_response(one, conventions=conventions))
-                for case, one in zip(cases, found, strict=True)
+                (case.configuration, plot.periodic_response(response, conventions=conventions))
+                for case, response in zip(cases, responses, strict=True)
             ],
         )
 
@@ -99,14 +101,14 @@ class PeriodicCommand(ModelCommand):
         return {"frequencies": read_list(self.listed), "excitation": torques}
 
     def _run(self, case: ConfiguredCase, over: dict[str, Any]) -> PeriodicResponse:
-        found: PeriodicResponse = case.drivetrain.periodic_response(
+        response: PeriodicResponse = case.drivetrain.periodic_response(
             list(self.outputs),
             harmonics=self.harmonics or "auto",
             subharmonics=int(self.subharmonics),
             initial_state=_start(self.states),
             **over,
         )
-        return found
+        return response
 
 
 def _harmonics(name: str, text: str) -> dict[int, complex]:
@@ -130,7 +132,7 @@ def _start(states: Sequence[str]) -> str | MotionStart | None:
     """
     from torsionnet.motion.contact_states import MotionStart
 
-    if len(states) <= 1 and not any("=" in one for one in states):
+    if len(states) <= 1 and not any("=" in state for state in states):
         return states[0] if states else None
     angles: dict[str, float] = {}
     speeds: dict[str, float] = {}

@@ -256,8 +256,8 @@ def _response(
     try:
         from torsionnet.io import read_frequency_response
 
-        found = read_frequency_response(file)
-        return found.select(output, into)
+        response = read_frequency_response(file)
+        return response.select(output, into)
     except (ModelError, UsageError):
         if not (output and into):
             raise

@@ -80,12 +80,12 @@ class ModesCommand(ModelCommand):
         from torsionnet.base.conventions import Conventions
 
         conventions = Conventions(frequency=self.frequency_unit)
-        found = self.each(
+        modes_of_cases = self.each(
             "modes",
             cases,
             self._modes,
         )
-        results = [self._referred(case, modes) for case, modes in zip(cases, found, strict=True)]
+        results = [self._referred(case, modes) for case, modes in zip(cases, modes_of_cases, strict=True)]
         tables = [modes.table(conventions) for modes in results]
         pairs = list(zip(cases, results, strict=True))
         return Answer(
@@ -100,7 +100,7 @@ class ModesCommand(ModelCommand):
                     case.configuration,
                     plot.mode_shapes(modes, case.drivetrain, referred_to=self.referred_to, conventions=conventions),
                 )
-                for case, modes in zip(cases, found, strict=True)
+                for case, modes in zip(cases, modes_of_cases, strict=True)
             ],
         )
 
@@ -110,13 +110,13 @@ class ModesCommand(ModelCommand):
 
         asked = self.lowest
         while True:
-            found = case.drivetrain.modes(
+            modes = case.drivetrain.modes(
                 measured_input=self.measured_input, driven_by=self.driven_by, lowest=asked, up_to=self.up_to
             )
             # Rigid bodies and real poles are among the modes, and not among the vibrations that are counted.
-            missing = (self.lowest or 0) - found.kinds.count(OSCILLATORY)
-            if asked is None or missing <= 0 or len(found) < asked:
-                return found
+            missing = (self.lowest or 0) - modes.kinds.count(OSCILLATORY)
+            if asked is None or missing <= 0 or len(modes) < asked:
+                return modes
             asked += missing
 
     def _referred(self, case: ConfiguredCase, modes: Modes) -> Modes:
@@ -140,7 +140,7 @@ class ModesCommand(ModelCommand):
 
 def without_eigenvalues(table: Table) -> Table:
     """Copy of the table of modes without the columns of eigenvalues, which only files have."""
-    return table.chosen([index for index, one in enumerate(table.columns) if one.name not in EIGENVALUES])
+    return table.chosen([index for index, column in enumerate(table.columns) if column.name not in EIGENVALUES])
 
 
 # Command ``torsionnet margins``, which prints the stability margins of the loop opened at a controller.
@@ -165,14 +165,14 @@ class MarginsCommand(ModelCommand):
 
     def answer(self) -> Answer:
         cases = self.cases()
-        found = self.each("margins", cases, lambda case: case.drivetrain.loop_margins(self.controller))
-        tables = [one.table() for one in found]
-        pairs = list(zip(cases, found, strict=True))
+        margins_of_cases = self.each("margins", cases, lambda case: case.drivetrain.loop_margins(self.controller))
+        tables = [case_margins.table() for case_margins in margins_of_cases]
+        pairs = list(zip(cases, margins_of_cases, strict=True))
         return Answer(
             screen=lambda: separated_by_lines(tables),
             data=lambda: [case.data(margins) for case, margins in pairs],
             csv=lambda: [("", self.combined_table(cases, tables))],
-            figures=lambda plot: [(case.configuration, plot.nyquist(one)) for case, one in pairs],
+            figures=lambda plot: [(case.configuration, plot.nyquist(case_margins)) for case, case_margins in pairs],
         )
 
 
@@ -219,22 +219,23 @@ class SensitivityCommand(ModelCommand):
             ),
         )
         _require(self.modes, results)
-        tables = [_chosen(one, self.modes) for one in results]
+        tables = [_chosen(sensitivities, self.modes) for sensitivities in results]
         every = self.full or self.modes or self.parameters
-        short = tables if every else [_largest(*one) for one in zip(results, tables, strict=True)]
+        short = tables if every else [_largest(*sensitivities) for sensitivities in zip(results, tables, strict=True)]
         pairs = list(zip(cases, results, strict=True))
         return Answer(
             screen=lambda: [self.combined_table(cases, short)],
             data=lambda: [effects.record(case.configuration, self.modes) for case, effects in pairs],
             csv=lambda: [("", self.combined_table(cases, tables))],
             figures=lambda plot: [
-                (case.configuration, plot.tornado(one, mode=list(self.modes) or None)) for case, one in pairs
+                (case.configuration, plot.tornado(sensitivities, mode=list(self.modes) or None))
+                for case, sensitivities in pairs
             ],
         )
 
 
 def _require(modes: tuple[int, ...], results: list[ModeSensitivities]) -> None:
-    every = {one.number(mode) for one in results for mode in range(len(one.poles))}
+    every = {sensitivities.number(mode) for sensitivities in results for mode in range(len(sensitivities.poles))}
     known = sorted(number for number in every if number is not None)
     for mode in modes:
         if mode not in known:
@@ -244,30 +245,34 @@ def _require(modes: tuple[int, ...], results: list[ModeSensitivities]) -> None:
             )
 
 
-def _chosen(found: ModeSensitivities, modes: tuple[int, ...]) -> Table:
+def _chosen(sensitivities: ModeSensitivities, modes: tuple[int, ...]) -> Table:
     """Table of the effects of parameters on the modes chosen, without effects that are rounding errors.
 
     None chosen: all modes.
     """
-    table = found.table()
+    table = sensitivities.table()
     rows = tuple(
         row
         for row in table.rows
         if (not modes or row[0] in modes) and max(abs(row[4]), abs(row[5])) > NEGLIGIBLE_EFFECT
     )
-    words, rest = table.notes[: len(found.poles)], table.notes[len(found.poles) :]
-    notes = (*(note for index, note in enumerate(words) if not modes or found.number(index) in modes), *rest)
+    words, rest = table.notes[: len(sensitivities.poles)], table.notes[len(sensitivities.poles) :]
+    notes = (*(note for index, note in enumerate(words) if not modes or sensitivities.number(index) in modes), *rest)
     return replace(table, rows=rows, notes=notes)
 
 
-def _largest(found: ModeSensitivities, table: Table) -> Table:
+def _largest(sensitivities: ModeSensitivities, table: Table) -> Table:
     """Table of the effects that change an eigenvalue most relative to its size, without the words on other modes."""
     if len(table.rows) <= EFFECTS_SHOWN:
         return table
     rows = sorted(table.rows, key=lambda row: math.hypot(row[4], row[2] * row[5]), reverse=True)[:EFFECTS_SHOWN]
     seen = {row[:2] for row in rows}
-    abouts = zip(map(found.number, range(len(found.poles))), found.natural_frequencies.tolist(), strict=True)
-    others = {text for about, text in zip(abouts, found.words(), strict=True) if about not in seen}
+    abouts = zip(
+        map(sensitivities.number, range(len(sensitivities.poles))),
+        sensitivities.natural_frequencies.tolist(),
+        strict=True,
+    )
+    others = {text for about, text in zip(abouts, sensitivities.words(), strict=True) if about not in seen}
     notes = [note for note in table.notes if note not in others]
     rest = f"the {EFFECTS_SHOWN} largest of {len(table.rows)} effects; --mode and --parameter choose, --full prints all"
     return replace(table, rows=tuple(rows), notes=(*notes, rest))
@@ -377,17 +382,17 @@ def _answered(
 
     Notes name the cases left out.
     """
-    found: list[tuple[ConfiguredCase, Solver, FrequencyResponse]] = []
+    answered: list[tuple[ConfiguredCase, Solver, FrequencyResponse]] = []
     refusals: dict[str, UsageError] = {}
     for case in cases:
         solve = request.solver(case)
         try:
-            found.append((case, solve, solve(frequencies)))
+            answered.append((case, solve, solve(frequencies)))
         except UsageError as error:
             refusals[case.configuration] = error
-    if not found:
+    if not answered:
         raise next(iter(refusals.values()))
     for name, refusal in refusals.items():
         message("note", f"configuration {name} is left out: {refusal}")
-    left, solvers, responses = zip(*found, strict=True)
+    left, solvers, responses = zip(*answered, strict=True)
     return list(left), list(solvers), list(responses)

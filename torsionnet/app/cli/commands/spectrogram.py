@@ -42,9 +42,10 @@ class SpectrogramCommand(RecordCommand):
         return Answer(
             screen=lambda: map(_table, seen),
             data=lambda: seen,
-            csv=lambda: [(one.name, _table(one, every=True)) for one in seen],
+            csv=lambda: [(channel.name, _table(channel, every=True)) for channel in seen],
             figures=lambda plot: [
-                (one.name, plot.spectrogram(one, up_to=self.up_to, span=self.span, conventions=shown)) for one in seen
+                (channel.name, plot.spectrogram(channel, up_to=self.up_to, span=self.span, conventions=shown))
+                for channel in seen
             ],
         )
 
@@ -59,11 +60,11 @@ class SpectrogramCommand(RecordCommand):
         settings = self.averaging.settings()
         with progress("transforming", None) as advance:
             channels = self.channels or None
-            found = self.averaging.suited(load_record(self.record, self.reading, channels, settings.seconds, advance))
-            if not isinstance(found, Recording):  # only what is left after decimation is kept in memory
-                found = _joined(list(decimated(found, settings.decimation)))
+            record = self.averaging.suited(load_record(self.record, self.reading, channels, settings.seconds, advance))
+            if not isinstance(record, Recording):  # only what is left after decimation is kept in memory
+                record = _joined(list(decimated(record, settings.decimation)))
                 settings = replace(settings, decimation=1)
-            return [spectrogram(found, name, settings) for name in self.channels or found.names]
+            return [spectrogram(record, name, settings) for name in self.channels or record.names]
 
 
 def _joined(blocks: list[Recording]) -> Recording:

@@ -145,7 +145,7 @@ def _screen(answered: AnsweredStudy) -> Iterator[Table | str]:
         yield ""
         table = conclusion.table()
         yield _beginning(table)
-        yield from (one for one in answered.sentences(name) if one not in table.notes)
+        yield from (sentence for sentence in answered.sentences(name) if sentence not in table.notes)
 
 
 def _beginning(table: Table) -> Table:
@@ -160,8 +160,8 @@ def _beginning(table: Table) -> Table:
 
 
 def _tables(result: StudyResult | None, conclusions: Conclusions) -> list[tuple[str, Table]]:
-    found = [("summary", result.table())] if result is not None else []
-    return [*found, *((name, one.table()) for name, one in conclusions.items())]
+    tables = [("summary", result.table())] if result is not None else []
+    return [*tables, *((name, conclusion.table()) for name, conclusion in conclusions.items())]
 
 
 def _usual(study: Study, result: StudyResult | None) -> Conclusions:
@@ -177,27 +177,27 @@ def _usual(study: Study, result: StudyResult | None) -> Conclusions:
 
     if result is None:
         return {}
-    curves = [name for (_, name), one in result.summaries.items() if one.measure.is_curve]
-    found: dict[str, Conclusion] = {}
+    curves = [name for (_, name), summary in result.summaries.items() if summary.measure.is_curve]
+    conclusions: dict[str, Conclusion] = {}
     for name in dict.fromkeys(curves):
-        found[name] = PercentileBands(quantity=name).conclude(study, result)
-    if len(found) < len(study.quantities):
+        conclusions[name] = PercentileBands(quantity=name).conclude(study, result)
+    if len(conclusions) < len(study.quantities):
         with suppress(SolveError):  # too few variants for a correlation
-            found["scatter"] = Scatter().conclude(study, result)
-    if not found:
+            conclusions["scatter"] = Scatter().conclude(study, result)
+    if not conclusions:
         raise UsageError(
             "there is nothing to draw: the study has no curve, no answer, "
             "and too few variants for its numbers; add one of them",
             kind="missing-entry",
         )
-    return found
+    return conclusions
 
 
 def _figures(study: Study, conclusions: Conclusions) -> list[tuple[str, Figure]]:
     from torsionnet.study.shown_units import shown_units
 
     units = shown_units(study)
-    return [(name, one.figure(units=units)) for name, one in conclusions.items()]
+    return [(name, conclusion.figure(units=units)) for name, conclusion in conclusions.items()]
 
 
 def _write_variants(study: Study, result: StudyResult | None, file: str) -> None:

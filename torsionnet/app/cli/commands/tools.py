@@ -181,11 +181,11 @@ class ExplainCommand(Command):
 
 def _listed(kinds: Iterable[FaultKind]) -> str:
     """All kinds by group, each with its meaning."""
-    groups = {group: [one for one in kinds if one.group == group] for group in GROUPS}
-    widest = max(len(one.name) for one in kinds)
+    groups = {group: [kind for kind in kinds if kind.group == group] for group in GROUPS}
+    widest = max(len(kind.name) for kind in kinds)
     parts = [
-        "\n".join([GROUPS[group], *(f"  {one.name:{widest}}  {one.means}" for one in found)])
-        for group, found in groups.items()
-        if found
+        "\n".join([GROUPS[group], *(f"  {kind.name:{widest}}  {kind.means}" for kind in kinds_of_group)])
+        for group, kinds_of_group in groups.items()
+        if kinds_of_group
     ]
     return "\n\n".join(parts)

@@ -121,13 +121,13 @@ class TrackCommand(Command):
         from torsionnet.io.tracked_order_tables import write_tracked_orders
 
         self._refuse_contradictions()
-        found, shown = self.tracked(), Conventions(angle=self.angle)
+        tracked, shown = self.tracked(), Conventions(angle=self.angle)
         return Answer(
-            screen=lambda: _shown(found, shown),
-            data=lambda: found,
-            csv=lambda: [(one.name, one.table(shown)) for one in found],
-            files=[(self.output_file, lambda file: write_tracked_orders(_of_first_shaft(found), file))],
-            figures=lambda plot: [(one.name, self._picture(plot, one, shown)) for one in found],
+            screen=lambda: _shown(tracked, shown),
+            data=lambda: tracked,
+            csv=lambda: [(channel.name, channel.table(shown)) for channel in tracked],
+            files=[(self.output_file, lambda file: write_tracked_orders(_of_first_shaft(tracked), file))],
+            figures=lambda plot: [(channel.name, self._picture(plot, channel, shown)) for channel in tracked],
         )
 
     def tracked(self) -> tuple[TrackedOrders, ...]:
@@ -138,7 +138,7 @@ class TrackCommand(Command):
         from torsionnet.signals.orders.tracked_orders import order_slices
 
         self.span.check(self.record)
-        shafts = [one for one in (self.reference, self.further) if one]
+        shafts = [shaft for shaft in (self.reference, self.further) if shaft]
         wheels = self.reading.wheels(shafts, (name for name in (self.phase, self.cam) if name))
         method = self._method()
         with progress("rotation", None) as advance:
@@ -148,7 +148,7 @@ class TrackCommand(Command):
         twists = [self._twist(text, list(rotations)) for text in self.twists]
         with progress("tracking", None) as advance:
             record = load_record(self.record, self.reading, signals, 0.0, advance, self.span) if signals else None
-            found = orders_of_test(
+            tracked = orders_of_test(
                 record,
                 rotations,
                 mean,
@@ -158,13 +158,13 @@ class TrackCommand(Command):
                 twists=twists,
                 mark=mark,
                 method=method,
-                further=[(one, self.further_orders or ()) for one in more],
+                further=[(shaft, self.further_orders or ()) for shaft in more],
             )
         title = Path(self.record).name
-        found = tuple(replace(one, title=title) for one in (*found, *self._stresses(found)))
+        tracked = tuple(replace(channel, title=title) for channel in (*tracked, *self._stresses(tracked)))
         if self.step and self.method == METHODS[1]:
-            return tuple(order_slices(one, self.step) for one in found)
-        return found
+            return tuple(order_slices(channel, self.step) for channel in tracked)
+        return tracked
 
     def _refuse_contradictions(self) -> None:
         if self.method == METHODS[0] and (self.bandwidth or self.poles):
@@ -200,17 +200,17 @@ class TrackCommand(Command):
         from torsionnet.signals.rotation.wheel_channel import wheel_pulses
 
         channels = channels_of(wheels)
-        once = {name for name, one in channels.items() if one.teeth == 1}
+        once = {name for name, wheel in channels.items() if wheel.teeth == 1}
         index = self.phase or (self.reference.name if self.reference.name in once else None)
-        toothed = {name: one for name, one in channels.items() if name not in {*once, index, self.cam}}
-        indices = [one.index for one in toothed.values()]
+        toothed = {name: wheel for name, wheel in channels.items() if name not in {*once, index, self.cam}}
+        indices = [wheel.index for wheel in toothed.values()]
         marks = self.reading.marks(dict.fromkeys([*once, index, self.cam, *indices]), wheels)
         place = "" if self.offset is None else f"top dead centre of cylinder {self.cylinder}"
         if not toothed and not marks:
             return {}, PhaseMark(offset=self.offset or 0.0, place=place), {}
         record = self.span.cut(read_turning_record(self.record, toothed, marks, **self.reading.arguments))
         rotations = rotations_of_wheels(record, toothed, patterns_of(wheels), marks=marks, index=index or "")
-        pulses = {name: wheel_pulses(record, name, one) for name, one in marks.items()}
+        pulses = {name: wheel_pulses(record, name, wheel) for name, wheel in marks.items()}
         # A wheel without a gap has no mark of its own, though an index or a pattern may number its teeth.
         of_wheel = not self.cam or (self.reference.name in toothed and toothed[self.reference.name].shows_tooth_0)
         mark = PhaseMark(pulses.get(index or ""), pulses.get(self.cam or ""), self.offset or 0.0, place, of_wheel)
@@ -247,7 +247,7 @@ class TrackCommand(Command):
         if self.channels:
             return [name for name in self.channels if name not in wheels]
         pulses = {*wheels, self.phase, self.cam, self.reference.name, self.further.name if self.further else ""}
-        pulses |= {name for one in wheels.values() for name in (one.channel.index, one.channel.second)}
+        pulses |= {name for wheel in wheels.values() for name in (wheel.channel.index, wheel.channel.second)}
         return [name for name in channel_names(self.record) if name not in pulses]
 
     def _twist(self, text: str, known: list[str]) -> Twist:
@@ -262,7 +262,7 @@ class TrackCommand(Command):
             kind="missing-entry",
         )
 
-    def _stresses(self, found: tuple[TrackedOrders, ...]) -> Iterator[TrackedOrders]:
+    def _stresses(self, tracked: tuple[TrackedOrders, ...]) -> Iterator[TrackedOrders]:
         from torsionnet.base.entries.spec import EntryError
         from torsionnet.signals.orders.tracked_orders import stress_orders
         from torsionnet.signals.orders.tracking_entries import DIAMETER
@@ -272,29 +272,33 @@ class TrackCommand(Command):
                 diameter = DIAMETER.coerce(text)
             except EntryError as error:
                 raise UsageError(f"--diameter {name}: {error}", kind=error.fault.kind) from None
-            torques = [one for one in found if name in (one.name, one.name[len("torque(") : -1])]
+            torques = [channel for channel in tracked if name in (channel.name, channel.name[len("torque(") : -1])]
             if not torques:
                 raise UsageError(
-                    f"--diameter {name}: there is {', '.join(one.name for one in found)}", kind="unknown-name"
+                    f"--diameter {name}: there is {', '.join(channel.name for channel in tracked)}", kind="unknown-name"
                 )
             yield stress_orders(torques[0], diameter)
 
-    def _picture(self, plot: ModuleType, one: TrackedOrders, shown: Conventions) -> Figure:
+    def _picture(self, plot: ModuleType, tracked: TrackedOrders, shown: Conventions) -> Figure:
         figure: Figure = (
-            plot.waterfall(one, conventions=shown)
+            plot.waterfall(tracked, conventions=shown)
             if self.drawn == "waterfall"
-            else plot.tracked_orders(one, conventions=shown)
+            else plot.tracked_orders(tracked, conventions=shown)
         )
         return figure
 
 
-def _of_first_shaft(found: tuple[TrackedOrders, ...]) -> list[TrackedOrders]:
+def _of_first_shaft(tracked: tuple[TrackedOrders, ...]) -> list[TrackedOrders]:
     """Orders that share the orders and the reference of the first, so that one file holds them."""
-    first = found[0]
-    return [one for one in found if one.orders.tolist() == first.orders.tolist() and one.reference == first.reference]
+    first = tracked[0]
+    return [
+        channel
+        for channel in tracked
+        if channel.orders.tolist() == first.orders.tolist() and channel.reference == first.reference
+    ]
 
 
-def _shown(found: tuple[TrackedOrders, ...], shown: Conventions) -> Iterator[Table | str]:
-    for number, one in enumerate(found):
+def _shown(tracked: tuple[TrackedOrders, ...], shown: Conventions) -> Iterator[Table | str]:
+    for number, channel in enumerate(tracked):
         yield from [""] if number else []
-        yield one.table(shown)
+        yield channel.table(shown)

@@ -45,11 +45,11 @@ class StaticCommand(ModelCommand):
         from torsionnet.base.conventions import Conventions
 
         conventions = Conventions(angle=self.angle)
-        cases, found = self._found()
+        cases, states = self._found()
         return Answer(
-            screen=lambda: separated_by_lines(state.table(conventions) for state in found),
-            data=lambda: found,
-            csv=lambda: [("", self.combined_table(cases, [state.table(conventions) for state in found]))],
+            screen=lambda: separated_by_lines(state.table(conventions) for state in states),
+            data=lambda: states,
+            csv=lambda: [("", self.combined_table(cases, [state.table(conventions) for state in states]))],
         )
 
     def _found(self) -> tuple[list[ConfiguredCase], list[StaticState]]:
@@ -61,22 +61,22 @@ class StaticCommand(ModelCommand):
 
         asked = self.cases()
         cases: list[ConfiguredCase] = []
-        found: list[StaticState] = []
+        states: list[StaticState] = []
         for case in asked:
             try:
-                found.append(case.drivetrain.static_state(self.speed))
+                states.append(case.drivetrain.static_state(self.speed))
                 cases.append(case)
             except CutOffError as error:
                 if len(asked) == 1:
                     raise
                 message("note", f"left out {case.configuration}: {error}")
-        if not found:
+        if not states:
             raise CutOffError(
                 "the load determines no mean torques in any of these configurations, for the reasons above; "
                 "name with -c one in which the shafts of the load turn together",
                 kind="no-ratio",
             )
-        return cases, found
+        return cases, states
 
 
 # Command ``torsionnet simulate``, which moves a model over time by one of its scenarios.
@@ -123,13 +123,20 @@ class SimulateCommand(ModelCommand):
         if self.output_file:
             format_of(Path(self.output_file), "recording")
         cases = self.cases()
-        found = self.each("simulating", cases, self._run)
-        pairs = list(zip(cases, found, strict=True))
+        records = self.each("simulating", cases, self._run)
+        pairs = list(zip(cases, records, strict=True))
         conventions = Conventions(angle=self.angle)
         return Answer(
             screen=lambda: separated_by_lines(self._tables(pairs)),
             data=lambda: [SimulatedMotion(case.configuration, self.scenario, record) for case, record in pairs],
-            csv=lambda: [("", self.combined_table(cases, [peak_table(one, self._title(one)) for one in found]))],
+            csv=lambda: [
+                (
+                    "",
+                    self.combined_table(
+                        cases, [peak_table(record_of_case, self._title(record_of_case)) for record_of_case in records]
+                    ),
+                )
+            ],
             files=[
                 (result_path(self.output_file, case.configuration, len(pairs)), partial(write_recording, record))
                 for case, record in pairs

@@ -116,11 +116,11 @@ class AngleCommand(Command):
 
         if self.output_file:
             format_of(Path(self.output_file), "recording")
-        found, wheels = self._turning()
+        record, wheels = self._turning()
         for wheel in wheels:
             wheel.check_orders(self.orders or ())
-        angles = angle_record(found, wheels, keep=self.channels, sampling_rate=self.reading.rate)
-        rows = tuple(turned_wheel(one, self.orders or ()) for one in wheels)
+        angles = angle_record(record, wheels, keep=self.channels, sampling_rate=self.reading.rate)
+        rows = tuple(turned_wheel(rotation, self.orders or ()) for rotation in wheels)
         print_warnings(angles.notes)
         return Answer(
             screen=lambda: _screen(angles, rows),
@@ -146,7 +146,7 @@ class AngleCommand(Command):
             )
         self.span.check(self.record)
         channels = channels_of(wheels)
-        marks = self.reading.marks({one.index for one in channels.values()}, wheels)
+        marks = self.reading.marks({wheel.index for wheel in channels.values()}, wheels)
         record = read_turning_record(self.record, channels, marks, self.channels, **self.reading.arguments)
         record = self.span.cut(record)
         return record, list(rotations_of_wheels(record, channels, patterns_of(wheels), marks=marks).values())
@@ -185,7 +185,7 @@ def _screen(angles: Recording, rows: tuple[TurnedWheel, ...]) -> Iterator[Table 
     yield from (str(note) for note in angles.notes if not is_warning(note))
     if any(row.orders for row in rows):
         columns = (Column("wheel"), Column("order"), Column("errors add, RMS of the peak", "deg", 3))
-        lines = tuple((row.name, one.order, one.deviation * DEGREES) for row in rows for one in row.orders)
+        lines = tuple((row.name, order.order, order.deviation * DEGREES) for row in rows for order in row.orders)
         yield ""
         yield Table("Orders", columns, lines)
 
@@ -251,14 +251,14 @@ class CalibrateWheelCommand(Command):
         from torsionnet.io.wheel_files import write_wheel_pattern
 
         self._refuse_contradictions()
-        found = self.calibration()
+        calibration = self.calibration()
         degrees = Conventions(angle="deg")
         return Answer(
-            screen=lambda: [found.table(degrees)],
-            data=lambda: found,
-            csv=lambda: [("", found.table(degrees))],
-            files=[(self.output_file, lambda file: write_wheel_pattern(found.stored(), file))],
-            figures=lambda plot: [("", plot.wheel_pattern(found))],
+            screen=lambda: [calibration.table(degrees)],
+            data=lambda: calibration,
+            csv=lambda: [("", calibration.table(degrees))],
+            files=[(self.output_file, lambda file: write_wheel_pattern(calibration.stored(), file))],
+            figures=lambda plot: [("", plot.wheel_pattern(calibration))],
         )
 
     def calibration(self) -> WheelCalibration:
@@ -327,8 +327,10 @@ class CalibrateWheelCommand(Command):
 
         self.span.check(path)
         record = self.span.cut(read_turning_record(path, {name: wheel}, marks, **self.reading.arguments))
-        found = {mark: wheel_pulses(record, mark, one) for mark, one in marks.items()}
-        return WheelTest(wheel_pulses(record, name, wheel), found.get(self.second_pickup or ""), found.get(wheel.index))
+        pulses = {mark: wheel_pulses(record, mark, reading) for mark, reading in marks.items()}
+        return WheelTest(
+            wheel_pulses(record, name, wheel), pulses.get(self.second_pickup or ""), pulses.get(wheel.index)
+        )
 
     def _calculated(self, tests: list[WheelTest], wheel: WheelChannel) -> CalculatedOrders:
         from torsionnet.app.cli.options import load_model
@@ -381,13 +383,13 @@ class ClocksCommand(Command):
         from torsionnet.signals.records.recording_files import write_recording
         from torsionnet.signals.rotation.clock_drift import ClockDrift, on_first_clock
 
-        found, theirs = self._found()
-        table = result_table(f"clock of {self.other} against {self.record}", [found], ClockDrift, notes=found.remarks)
-        moved = on_first_clock(theirs, found)
+        clocks, theirs = self._found()
+        table = result_table(f"clock of {self.other} against {self.record}", [clocks], ClockDrift, notes=clocks.remarks)
+        moved = on_first_clock(theirs, clocks)
         return Answer(
             screen=lambda: [table],
             csv=lambda: [("", table)],
-            data=lambda: found,
+            data=lambda: clocks,
             files=[(self.output_file, lambda file: write_recording(moved, file))],
         )
 
@@ -414,13 +416,13 @@ class ClocksCommand(Command):
 
         channels = channels_of(wheels)
         ((name, _),) = channels.items()
-        marks = self.reading.marks({one.index for one in channels.values()}, wheels)
-        kept = [one for one in channel_names(self.other) if one not in {name, *marks}]
+        marks = self.reading.marks({wheel.index for wheel in channels.values()}, wheels)
+        kept = [other for other in channel_names(self.other) if other not in {name, *marks}]
         records = [
             read_turning_record(path, channels, marks, own, **self.reading.arguments)
             for path, own in ((self.record, ()), (self.other, kept))
         ]
-        turned = [rotations_of_wheels(one, channels, patterns_of(wheels), marks=marks)[name] for one in records]
+        turned = [rotations_of_wheels(record, channels, patterns_of(wheels), marks=marks)[name] for record in records]
         return replace(rotation_clocks(*turned, same_start=self.same_start), found_from=name), records[1]
 
     def _signal(self, path: str, name: str) -> Recording:
