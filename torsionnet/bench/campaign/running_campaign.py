@@ -165,17 +165,15 @@ def _fitted(campaign: Campaign, records: Mapping[str, CampaignRecordResult]) -> 
             orders, name=f"{name}: {orders.name}", output=orders.name, model_output=sensors[orders.name],
             configuration=campaign.plan.records[name].configuration, reference_angle=plan.reference_angle,
         )
-        for name, outcome in records.items() for quantity in outcome.orders if orders.name in sensors
+        for name, outcome in records.items() for orders in outcome.orders if orders.name in sensors
     ]  # fmt: skip
     for name, outcome in records.items():
         measurements += response_measurements(campaign, name) if outcome.response else ()
     if not plan.parameters:
         return None, rank_causes(campaign.model, measurements)
     unknowns = {
-        name: Unknown(quantity.start, quantity.bounds, quantity.prior, quantity.per_configuration)
-        if quantity
-        else Unknown()
-        for name, quantity in plan.parameters.items()
+        name: Unknown(unknown.start, unknown.bounds, unknown.prior, unknown.per_configuration) if unknown else Unknown()
+        for name, unknown in plan.parameters.items()
     }
     fit = identify(campaign.model, measurements, unknowns)
     return fit, rank_causes(fit) if plan.rank else None

@@ -164,7 +164,7 @@ class OrdersCommand(ModelCommand):
 
 
 def _shown(runs: list[OrderResponse], conventions: Any) -> Iterator[Table | str]:
-    for number, (run, channel) in enumerate((run, channel) for run in runs for channel in run.outputs):
+    for number, (run, channel) in enumerate((each, channel) for each in runs for channel in each.outputs):
         yield from [""] if number else []
         yield run.table(channel.name, conventions)
 
