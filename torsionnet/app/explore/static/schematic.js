@@ -32,21 +32,25 @@ export function makeSchematic(place, actions) {
         if (group) groups.set(group, { kind, name });
       }
     }
-    drawn = { svg, groups, nodes: found.nodes, elements: found.elements, box: bounds(svg) };
+    drawn = { svg, groups, nodes: found.nodes, elements: found.elements, at: null, box: bounds(svg) };
     groups.forEach((one, group) => prepare(group, one));
     svg.setAttribute("role", "graphics-document");
     svg.setAttribute("aria-label", "Schematic: arrow keys move along, Enter goes to the text, + - 0 zoom, Shift with arrows pans");
     svg.style.width = svg.style.height = "100%";
     place.replaceChildren(svg);
-    drawn.at = new Map(Object.entries(found.nodes).flatMap(([name, id]) => (svg.getElementById(id) ? [[name, middle(svg.getElementById(id))]] : [])));
     labels = makeLabels(svg);
-    map.draw(drawn.box, [...drawn.at.values()]);
-    fit();
-    roving(groupOf(chosen[0]) ?? inOrder()[0]);
     mark();
+    fit();
     if (kept) groupOf(kept)?.focus();
+  }
+
+  // Only what is seen has a size.
+  function measure() {
+    const { svg, nodes, box } = drawn;
+    drawn.at = new Map(Object.entries(nodes).flatMap(([name, id]) => (svg.getElementById(id) ? [[name, middle(svg.getElementById(id))]] : [])));
+    map.draw(box, [...drawn.at.values()]);
+    roving(groupOf(chosen[0]) ?? inOrder()[0]);
     actions.drawn(drawn);
-    actions.moved(view);
   }
 
   function prepare(group, { kind, name }) {
@@ -67,6 +71,7 @@ export function makeSchematic(place, actions) {
   // Until it is zoomed, the whole drivetrain is seen, also after changes of the text or the pane.
   function fit() {
     if (!drawn || !drawn.box.width || !place.clientWidth || !place.clientHeight) return;
+    if (!drawn.at) measure();
     look(isFit || !view ? { scale: fitting() } : view);
   }
 
