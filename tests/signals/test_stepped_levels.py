@@ -109,6 +109,7 @@ def test_tops_that_friction_flattens_are_steps_all_the_same():
     found = record(460 * size * shape, size * shape + noise).stepped_stiffness("T", "gamma")
     assert found.frequencies == pytest.approx([2, 2], rel=1e-3)
     assert found.real == pytest.approx([460, 460], rel=1e-3)
+    assert any("suppose a sine" in str(note) for note in found.notes)
 
 
 def test_a_record_without_steps_and_an_unknown_element_are_refused():

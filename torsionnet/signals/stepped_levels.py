@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.base.errors import UsageError
-from torsionnet.base.notes import NoteOrText
+from torsionnet.base.notes import NoteOrText, warning
 from torsionnet.base.packages import SavedResult
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table
@@ -36,6 +36,8 @@ SWEPT = 0.2
 """Phase in rad at either end by which the frequency of a step may change from that of its middle."""
 RIPPLE, NEAR = 0.3, 4
 """Swing over those near by, up to so many before and behind, below which it is a ripple on them."""
+NEARLY_A_SINE = 0.05
+"""Share of harmonics of a twist from which first harmonics tell its law badly."""
 NOT_A_SINE = 0.2
 """Share of a twist beside its first harmonic from which a group of cycles is none of one frequency, as of a sweep."""
 REFINEMENTS = 6
@@ -220,11 +222,17 @@ def stepped_stiffness(
             f"the twist holds no frequency and no amplitude for {FEWEST_CYCLES} cycles; a stepped sine does",
             kind="too-short",
         )
-    frequencies, twists, torques, mean_twists, mean_torques, distortion = (
+    frequencies, twists, torques, mean_twists, mean_torques, distortion, others = (
         np.array(column) for column in zip(*rows, strict=True)
     )
-    note = f"{len(rows)} steps found; first cycle of each left out"
-    return SteppedStiffness(frequencies, twists, torques, mean_twists, mean_torques, distortion, title, (*notes, note))
+    found: list[NoteOrText] = [*notes, f"{len(rows)} steps found; first cycle of each left out"]
+    if others.max() > NEARLY_A_SINE:
+        text = (
+            f"harmonics of the twist are up to {100 * others.max():.2g} % of the first one, and describing functions "
+            "suppose a sine: fit the record over time, by equations of motion"
+        )
+        found.append(warning(text))
+    return SteppedStiffness(frequencies, twists, torques, mean_twists, mean_torques, distortion, title, tuple(found))
 
 
 def _steps(angle: FloatArray, sampling_rate: float) -> list[tuple[int, int, float]]:
@@ -295,8 +303,8 @@ def _reversals(angle: FloatArray) -> list[tuple[int, bool]]:
 
 def _harmonics(
     load: FloatArray, angle: FloatArray, frequency: float, rate: float
-) -> tuple[float, complex, complex, float, float, float] | None:
-    """Frequency in Hz, first harmonics of twist and torque, means of both, and the rest of the torque of one step.
+) -> tuple[float, complex, complex, float, float, float, float] | None:
+    """Frequency in Hz, first harmonics of twist and torque, means of both, and the rests of both of one step.
 
     None where the twist is no sine.
     """
@@ -329,4 +337,12 @@ def _harmonics(
     if rest[0] > NOT_A_SINE * abs(twist):
         return None
     share = float(rest[1] / abs(torque)) if torque else 0.0
-    return frequency, complex(twist), complex(torque), float(fit[2, 0]), float(fit[2, 1]), share
+    return (
+        frequency,
+        complex(twist),
+        complex(torque),
+        float(fit[2, 0]),
+        float(fit[2, 1]),
+        share,
+        float(rest[0] / abs(twist)),
+    )
