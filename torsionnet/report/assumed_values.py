@@ -41,15 +41,19 @@ def assumed_values(case: Case, criticals: Sequence[CriticalSpeed]) -> TableBlock
     None where no value has a tolerance, or none moves any of these modes.
     """
     drivetrain = case.drivetrain
-    tolerances = {name: one.tolerance for name, one in drivetrain.parameter_definitions.items() if one.tolerance}
-    met = [one for one in criticals if math.isfinite(one.natural_speed)]
+    tolerances = {
+        name: parameter.tolerance for name, parameter in drivetrain.parameter_definitions.items() if parameter.tolerance
+    }
+    met = [critical for critical in criticals if math.isfinite(critical.natural_speed)]
     if not tolerances or not met:
         return None
-    found = mode_sensitivities(drivetrain, list(tolerances))
+    sensitivities = mode_sensitivities(drivetrain, list(tolerances))
     groups = []
-    for mode, some in groupby(met, key=lambda one: one.mode.number):
-        own = list({(one.excitation, one.line, one.natural_speed): one for one in some}.values())
-        rows = _rows(found, tolerances, own)
+    for mode, some in groupby(met, key=lambda critical: critical.mode.number):
+        own = list(
+            {(critical.excitation, critical.line, critical.natural_speed): critical for critical in some}.values()
+        )
+        rows = _rows(sensitivities, tolerances, own)
         if rows:
             title = "Mode {number}, undamped {frequency:.5g} Hz"
             frequency = own[0].mode.undamped_frequency
@@ -62,22 +66,22 @@ def assumed_values(case: Case, criticals: Sequence[CriticalSpeed]) -> TableBlock
 
 
 def _rows(
-    found: ModeSensitivities, tolerances: dict[str, float], criticals: Sequence[CriticalSpeed]
+    sensitivities: ModeSensitivities, tolerances: dict[str, float], criticals: Sequence[CriticalSpeed]
 ) -> list[tuple[Cell, ...]]:
     """Rows of one mode, a value each, and what all of them move together; none where the mode follows the speed."""
     frequency = criticals[0].mode.natural_frequency
-    off = abs(found.natural_frequencies / frequency - 1)
+    off = abs(sensitivities.natural_frequencies / frequency - 1)
     place = int(off.argmin())
     if off[place] > SAME_FREQUENCY:
         return []
     shares = list(tolerances.values())
     # df/f = (d ln f/d ln p) dp/p, and Q = 1/(2 zeta): dQ/Q = -d zeta/zeta.
-    moved: FloatArray = found.relative_frequencies[place] * shares
-    swung: FloatArray = -found.relative_dampings[place] * shares
+    moved: FloatArray = sensitivities.relative_frequencies[place] * shares
+    swung: FloatArray = -sensitivities.relative_dampings[place] * shares
     rows: list[tuple[Cell, ...]] = []
-    for name, share, one, other in zip(tolerances, shares, moved.tolist(), swung.tolist(), strict=True):
-        if abs(one) >= LEAST_MOVED or abs(other) >= LEAST_DAMPED:
-            rows.append(_row(symbol_or_words(name), NumberText(100 * share, 3), (one, other), criticals))
+    for name, share, change, other in zip(tolerances, shares, moved.tolist(), swung.tolist(), strict=True):
+        if abs(change) >= LEAST_MOVED or abs(other) >= LEAST_DAMPED:
+            rows.append(_row(symbol_or_words(name), NumberText(100 * share, 3), (change, other), criticals))
     if len(rows) > 1:
         both = math.hypot(*moved), math.hypot(*swung)
         rows.append(_row(phrase("together"), "", both, criticals))
@@ -88,13 +92,13 @@ def _row(
     name: Cell, tolerance: Cell, moved: tuple[float, float], criticals: Sequence[CriticalSpeed]
 ) -> tuple[Cell, ...]:
     texts = []
-    for one in criticals if abs(moved[0]) >= LEAST_MOVED else ():
+    for critical in criticals if abs(moved[0]) >= LEAST_MOVED else ():
         # An order meets a frequency f = h n + f_0 of its own at n, so that dn = df/h.
-        frequency = one.mode.natural_frequency
-        follows = frequency / (frequency - one.fixed) if one.fixed else 1.0
-        speed = one.natural_speed * RPM
+        frequency = critical.mode.natural_frequency
+        follows = frequency / (frequency - critical.fixed) if critical.fixed else 1.0
+        speed = critical.natural_speed * RPM
         template = "{order}: {speed:.1f} ± {moved:.1f}"
-        order = as_words(f"{one.excitation} {one.line}")
+        order = as_words(f"{critical.excitation} {critical.line}")
         texts.append(phrase(template, order=order, speed=speed, moved=abs(speed * moved[0] * follows)))
-    changes = (NumberText(100 * one if abs(one) >= ROUNDED else 0.0, 3) for one in moved)
+    changes = (NumberText(100 * change if abs(change) >= ROUNDED else 0.0, 3) for change in moved)
     return (name, tolerance, *changes, "; ".join(texts))

@@ -46,7 +46,7 @@ def title_table(subject: ReportData, version: str) -> TitleTable | None:
             (("Engine", block.engine), ("Rating", block.rating)),
             (("Model", subject.model.name), ("Calculated with", f"torsionnet {version}")),
             (("Model file", _hashed(file, subject.digest)),),
-            *((("Input file", _hashed(*one)),) for one in subject.inputs),
+            *((("Input file", _hashed(*input_file)),) for input_file in subject.inputs),
         ),
         revision_heads=REVISION_HEADS,
         revisions=tuple(map(_revision, block.revisions or (Revision(),))),
@@ -64,8 +64,15 @@ def _hashed(name: str, digest: str) -> str:
     return f"{name}, SHA-256 {digest}"
 
 
-def _revision(one: Revision) -> tuple[str, ...]:
-    return (one.revision, one.date, one.description, one.prepared, one.checked, one.approved)
+def _revision(revision: Revision) -> tuple[str, ...]:
+    return (
+        revision.revision,
+        revision.date,
+        revision.description,
+        revision.prepared,
+        revision.checked,
+        revision.approved,
+    )
 
 
 BUILDERS = {
@@ -182,10 +189,10 @@ def _view(subject: ReportData, name: str) -> ReportData:
 def _builder(name: str) -> Callable[[ReportData], Section | None]:
     """Function that builds a section of a report; None of it is a section with nothing to say on a model."""
     module, _, function = BUILDERS[name].partition(".")
-    found: Callable[[ReportData], Section | None] = getattr(
+    builder: Callable[[ReportData], Section | None] = getattr(
         importlib.import_module(f"torsionnet.report.sections.{module}"), function
     )
-    return found
+    return builder
 
 
 def _with_appendix(subject: ReportData, made: Mapping[str, Section]) -> tuple[Section, ...]:
@@ -217,7 +224,7 @@ def _facts(subject: ReportData, version: str) -> Iterator[tuple[str, Text]]:
     yield "Model file" if subject.file else "Model", (subject.file or "described in Python",)
     yield "SHA-256", (subject.digest,)
     if subject.inputs:
-        yield "Input files", ("; ".join(_hashed(*one) for one in subject.inputs),)
+        yield "Input files", ("; ".join(_hashed(*input_file) for input_file in subject.inputs),)
 
 
 def _others(subject: ReportData) -> str:

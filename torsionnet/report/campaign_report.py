@@ -54,11 +54,11 @@ def campaign_report(
     if places:
         plan = replace(plan, measure=tuple(dict.fromkeys([*places.values(), *own.measure])))
     model = Drivetrain.from_definition(replace(model.definition, report=plan))
-    names = {name: _configuration(campaign, one.configuration) for name, one in campaign.plan.records.items()}
+    names = {name: _configuration(campaign, entry.configuration) for name, entry in campaign.plan.records.items()}
     measured = [
         MeasuredFile(file, names[name], places[orders.name])
-        for name, found in result.records.items()
-        for file, orders in zip(found.files, found.orders, strict=False)  # the file of its responses comes last
+        for name, record in result.records.items()
+        for file, orders in zip(record.files, record.orders, strict=False)  # the file of its responses comes last
         if orders.name in places
     ]
     return make_report(
@@ -84,8 +84,8 @@ def _plan(campaign: Campaign, own: ReportPlan) -> ReportPlan:
 def _tests(result: CampaignResult, configurations: Mapping[str, str]) -> Iterator[Measured]:
     """Yield the measured response of each record and output, under the names of output and input in the model."""
     campaign, asked = result.campaign, result.campaign.plan.responses
-    for name, found in result.responses.items():
-        for measured, _ in found.pairs():
+    for name, response in result.responses.items():
+        for measured, _ in response.pairs():
             (output,), (into,) = measured.outputs, measured.inputs
             renamed = replace(
                 measured,
@@ -99,8 +99,8 @@ def _places(campaign: Campaign) -> Mapping[str, str]:
     """Name in the model of the sensor that each channel shows, or the sensor written out, by channel."""
     sensors = campaign.model.definition.sensors
     named = {sensor: name for name, sensor in sensors.items()}
-    found = {name: named_sensor(text, sensors) for name, text in campaign.sensors.items()}
-    return {name: named.get(sensor, str(sensor)) for name, sensor in found.items() if sensor is not None}
+    sensor_of_channel = {name: named_sensor(text, sensors) for name, text in campaign.sensors.items()}
+    return {name: named.get(sensor, str(sensor)) for name, sensor in sensor_of_channel.items() if sensor is not None}
 
 
 def _configuration(campaign: Campaign, name: str) -> str:

@@ -89,8 +89,8 @@ class ComponentUse:
     def scaled(self, scale: float, unit: str) -> ComponentUse:
         """Use of the component with all values times a factor, in another unit."""
         value, allowed, rated_value, rated_allowed = (
-            None if one is None else one * scale
-            for one in (self.value, self.allowed, self.rated_value, self.rated_allowed)
+            None if size is None else size * scale
+            for size in (self.value, self.allowed, self.rated_value, self.rated_allowed)
         )
         return replace(
             self, unit=unit, value=value, allowed=allowed, rated_value=rated_value, rated_allowed=rated_allowed
@@ -98,7 +98,7 @@ class ComponentUse:
 
 
 def component_uses(
-    found: LimitConclusion, model: Definition, conventions: Conventions, normal: ConditionPeaks | None = None
+    judged: LimitConclusion, model: Definition, conventions: Conventions, normal: ConditionPeaks | None = None
 ) -> tuple[ComponentUse, ...]:
     """Criteria of all limits of a model, each at its worst and at rated speed, in the order of ``GROUPS``.
 
@@ -107,8 +107,8 @@ def component_uses(
     Heat of dampers is given per cooling area where its limit is, the angle of generators also in mechanical degrees.
     """
     order = {name: place for place, name in enumerate(model.limits)}
-    worst = sorted(found.worst(), key=lambda one: order[one.verdict.limit])
-    uses = [use for one in worst for use in _uses(one, model, conventions, normal)]
+    worst = sorted(judged.worst(), key=lambda worst_limit: order[worst_limit.verdict.limit])
+    uses = [use for worst_limit in worst for use in _uses(worst_limit, model, conventions, normal)]
     return tuple(sorted(uses, key=lambda use: list(GROUPS).index(use.group)))
 
 
@@ -125,8 +125,12 @@ def _uses(
     use = replace(use, value=float(verdict.values[at]), allowed=float(verdict.allowed[at]))
     if normal is not None and normal.rated is not None:
         named = verdict.limit, verdict.criterion
-        own = (one for one in normal.points.verdicts if (one.limit, one.criterion) == named)
-        rated = next((one for one in own if len(one.values)), None)
+        own = (
+            rated_verdict
+            for rated_verdict in normal.points.verdicts
+            if (rated_verdict.limit, rated_verdict.criterion) == named
+        )
+        rated = next((rated_verdict for rated_verdict in own if len(rated_verdict.values)), None)
         if rated is not None:
             there = float(rated.values[normal.rated]), float(rated.allowed[normal.rated])
             use = replace(use, rated_value=there[0], rated_allowed=there[1])
@@ -145,7 +149,7 @@ def _uses(
 
 def _cylinders(model: Definition) -> set[str]:
     """Names of the nodes on which cylinders act."""
-    engines = (one for one in model.excitations.values() if isinstance(one, EngineEntries))
+    engines = (excitation for excitation in model.excitations.values() if isinstance(excitation, EngineEntries))
     return {node for engine in engines for node in engine.cylinders.values()}
 
 

@@ -69,9 +69,10 @@ def normal_criticals(subject: ReportData) -> TableBlock | Paragraph:
     A sentence where there is none.
     """
     peaks, case = not_none(subject.normal_peaks), subject.normal_case
-    inside = [one for one in peaks.criticals if one.point is not None]
-    ranked = sorted((one for one in inside if one.share >= SMALL_SHARE), key=lambda one: -one.share)[:MOST_ROWS]
-    shown = [one for one in inside if one in ranked] or inside[:MOST_ROWS]
+    inside = [record for record in peaks.criticals if record.point is not None]
+    strong = [record for record in inside if record.share >= SMALL_SHARE]
+    ranked = sorted(strong, key=lambda record: -record.share)[:MOST_ROWS]
+    shown = [record for record in inside if record in ranked] or inside[:MOST_ROWS]
     if not shown:
         return Paragraph((joined(" ", [NO_CRITICAL, *beside_range(peaks, shown)]),))
     columns = (
@@ -79,7 +80,7 @@ def normal_criticals(subject: ReportData) -> TableBlock | Paragraph:
         Heading("Used at peak", "%", numeric=True), Heading("At rated", "%", numeric=True),
     )  # fmt: skip
     groups = []
-    for mode, some in groupby(shown, key=lambda one: one.critical.mode.number):
+    for mode, some in groupby(shown, key=lambda record: record.critical.mode.number):
         records = list(some)
         title = phrase(
             "Mode {number}, undamped {frequency:.5g} Hz",
@@ -88,8 +89,8 @@ def normal_criticals(subject: ReportData) -> TableBlock | Paragraph:
         )
         damping = _damping_cells(case, records)
         rows = (
-            _normal_row(subject, one, summed, damping[one.critical.natural_speed])
-            for one, summed in _with_sums(records)
+            _normal_row(subject, record, summed, damping[record.critical.natural_speed])
+            for record, summed in _with_sums(records)
         )
         groups.append(Group(tuple(rows), title))
     caption = phrase("Critical speeds in normal operation{where}", where=_where(case))
@@ -103,31 +104,33 @@ def _with_sums(records: Sequence[CriticalRecord]) -> Iterator[tuple[CriticalReco
 
     What a test measures is the sum of the lines of one frequency.
     """
-    for number, one in enumerate(records):
-        yield one, None
-        summed = next(those for those in not_none(one.point).check.summed if one.line in those.places)
-        own = [other for other in records if other.line in summed.places and other.key[0] == one.key[0]]
+    for number, record in enumerate(records):
+        yield record, None
+        summed = next(those for those in not_none(record.point).check.summed if record.line in those.places)
+        own = [other for other in records if other.line in summed.places and other.key[0] == record.key[0]]
         if len(own) > 1 and all(other not in own for other in records[number + 1 :]):
             yield max(own, key=lambda other: other.share), summed
 
 
 def _damping_cells(case: Case, records: Sequence[CriticalRecord]) -> dict[float, str]:
     """Cells with the shares in the damping of one mode, by critical speed; between two that agree all are equal."""
-    each = {one.critical.natural_speed: one.critical for one in records}
+    each = {record.critical.natural_speed: record.critical for record in records}
     known = {speed: damping_cell(case, each[speed]) for speed in dict.fromkeys((min(each), max(each)))}
     alike = known[min(each)] if known[min(each)] == known[max(each)] else None
-    return {speed: known.get(speed) or alike or damping_cell(case, one) for speed, one in each.items()}
+    return {speed: known.get(speed) or alike or damping_cell(case, critical) for speed, critical in each.items()}
 
 
-def _normal_row(subject: ReportData, one: CriticalRecord, summed: SummedOrder | None, damping: str) -> tuple[Cell, ...]:
+def _normal_row(
+    subject: ReportData, record: CriticalRecord, summed: SummedOrder | None, damping: str
+) -> tuple[Cell, ...]:
     """Row of a critical speed in the normal condition, or of a sum of orders at the peak of the largest of them."""
-    rated = math.nan if one.rated is None else 100 * one.rated.utilisation
+    rated = math.nan if record.rated is None else 100 * record.rated.utilisation
     return (
-        _unbroken(as_words(summed.name if summed else one.name)),
-        *_common(one, summed),
+        _unbroken(as_words(summed.name if summed else record.name)),
+        *_common(record, summed),
         "" if summed else damping,
-        *_values(subject, one, summed),
-        NumberText(100 * one.utilisation, DIGITS),
+        *_values(subject, record, summed),
+        NumberText(100 * record.utilisation, DIGITS),
         NumberText(rated, DIGITS),
     )
 
@@ -138,12 +141,15 @@ def further_criticals(subject: ReportData) -> TableBlock | Paragraph | None:
     A sentence where they differ outside of the speeds examined alone, None where none does.
     """
     first = not_none(subject.normal_peaks).criticals
-    normal = {one.key: one for one in first}
+    normal = {record.key: record for record in first}
     kept = [
-        (peaks, [one for one in peaks.criticals if _matters(one) and not _alike(one, normal.get(one.key))])
+        (
+            peaks,
+            [record for record in peaks.criticals if _matters(record) and not _alike(record, normal.get(record.key))],
+        )
         for peaks in subject.further_peaks
     ]
-    worst = _worst(one for records in (first, *(those for _, those in kept)) for one in records)
+    worst = _worst(record for records in (first, *(those for _, those in kept)) for record in records)
     columns = (
         Heading("Order"), *COMMON, Heading("Component"), Heading("Case"), *VALUES,
         Heading("Used at peak", "%", numeric=True), Heading("Worst"),
@@ -151,13 +157,13 @@ def further_criticals(subject: ReportData) -> TableBlock | Paragraph | None:
     groups = []
     for peaks, records in kept:
         rows = []
-        for one, summed in _with_sums(records):
-            component, *values = _values(subject, one, summed)
-            order = as_words(summed.name if summed else one.name)
-            named = phrase("{order}, mode {mode}", order=order, mode=one.critical.mode.number)
-            mark = WORST if one in worst and not summed else ""
-            used, case = NumberText(100 * one.utilisation, DIGITS), as_words(not_none(one.point).case)
-            rows.append((named, *_common(one, summed), component, case, *values, used, mark))
+        for record, summed in _with_sums(records):
+            component, *values = _values(subject, record, summed)
+            order = as_words(summed.name if summed else record.name)
+            named = phrase("{order}, mode {mode}", order=order, mode=record.critical.mode.number)
+            mark = WORST if record in worst and not summed else ""
+            used, case = NumberText(100 * record.utilisation, DIGITS), as_words(not_none(record.point).case)
+            rows.append((named, *_common(record, summed), component, case, *values, used, mark))
         if rows:
             groups.append(Group(tuple(rows), subject.titles.of(peaks.check.configuration)))
     beside = tuple((note,) for note in _beside_in(subject))
@@ -171,12 +177,12 @@ def further_criticals(subject: ReportData) -> TableBlock | Paragraph | None:
     )
     template = "{order}, mode {mode}"
     usual = [
-        phrase(template, order=as_words(one.name), mode=one.critical.mode.number)
-        for one in first
-        if one in worst and _matters(one)
+        phrase(template, order=as_words(record.name), mode=record.critical.mode.number)
+        for record in first
+        if record in worst and _matters(record)
     ]
     rest = phrase("Normal operation is the worst of all conditions at {names}.", names=joined("; ", usual))
-    listed = [one for _, records in kept for one in records]
+    listed = [record for _, records in kept for record in records]
     notes = ((rule,), *([(rest,)] if usual else []), *((note,) for note in cancelling_sources(listed)), *beside)
     return without_empty(TableBlock(("Critical speeds in further conditions",), columns, tuple(groups), notes))
 
@@ -186,48 +192,50 @@ def _beside_in(subject: ReportData) -> Iterator[str]:
 
     Conditions with the same ones have one sentence.
     """
-    usual = {one.key for one in not_none(subject.normal_peaks).criticals if one.point is None}
-    found: dict[str, list[str]] = {}
+    usual = {record.key for record in not_none(subject.normal_peaks).criticals if record.point is None}
+    conditions_beyond: dict[str, list[str]] = {}
     for peaks in subject.further_peaks:
-        largest = max((one.critical.resonant_amplitude for one in peaks.criticals), default=0.0)
+        largest = max((record.critical.resonant_amplitude for record in peaks.criticals), default=0.0)
         beyond = [
-            one
-            for one in peaks.criticals
-            if one.point is None and one.key not in usual and one.critical.resonant_amplitude >= LEAST_SHARE * largest
+            record
+            for record in peaks.criticals
+            if record.point is None
+            and record.key not in usual
+            and record.critical.resonant_amplitude >= LEAST_SHARE * largest
         ]
         if beyond:
-            found.setdefault(places_words(beyond), []).append(peaks.check.configuration)
-    for names, conditions in found.items():
+            conditions_beyond.setdefault(places_words(beyond), []).append(peaks.check.configuration)
+    for names, conditions in conditions_beyond.items():
         where = subject.titles.several(conditions, subject.model.configurations)
         yield phrase("In {conditions}, beside the range and not examined: {names}.", conditions=where, names=names)
 
 
 def _worst(records: Iterator[CriticalRecord]) -> list[CriticalRecord]:
     """Records in which each order uses a limit most at each of its modes, of all conditions."""
-    found: dict[tuple[int, str], CriticalRecord] = {}
-    for one in records:
-        known = found.get(one.key)
-        if one.point is not None and (known is None or one.utilisation > known.utilisation):
-            found[one.key] = one
-    return list(found.values())
+    worst: dict[tuple[int, str], CriticalRecord] = {}
+    for record in records:
+        known = worst.get(record.key)
+        if record.point is not None and (known is None or record.utilisation > known.utilisation):
+            worst[record.key] = record
+    return list(worst.values())
 
 
-def _matters(one: CriticalRecord) -> bool:
-    return one.is_peak and one.share >= LEAST_SHARE
+def _matters(record: CriticalRecord) -> bool:
+    return record.is_peak and record.share >= LEAST_SHARE
 
 
-def _alike(one: CriticalRecord, other: CriticalRecord | None) -> bool:
+def _alike(record: CriticalRecord, other: CriticalRecord | None) -> bool:
     """Whether a critical speed and its peak agree with those of another condition within ``SAME_VALUE``."""
-    if other is None or one.point is None or other.point is None:
+    if other is None or record.point is None or other.point is None:
         return False
     pairs = [
-        (one.critical.natural_speed, other.critical.natural_speed),
-        (one.critical.generalised_force, other.critical.generalised_force),
-        (one.critical.mode.amplification, other.critical.mode.amplification),
-        (one.amplitude, other.amplitude),
-        (one.utilisation, other.utilisation),
+        (record.critical.natural_speed, other.critical.natural_speed),
+        (record.critical.generalised_force, other.critical.generalised_force),
+        (record.critical.mode.amplification, other.critical.mode.amplification),
+        (record.amplitude, other.amplitude),
+        (record.utilisation, other.utilisation),
     ]
-    same_place = one.point.verdict.limit == other.point.verdict.limit
+    same_place = record.point.verdict.limit == other.point.verdict.limit
     return same_place and all(same_value(*pair) for pair in pairs)
 
 
@@ -236,9 +244,9 @@ def same_value(one: float, other: float) -> bool:
     return bool(abs(one - other) <= SAME_VALUE * abs(other)) or (math.isnan(one) and math.isnan(other))
 
 
-def _common(one: CriticalRecord, summed: SummedOrder | None) -> tuple[Cell, ...]:
+def _common(record: CriticalRecord, summed: SummedOrder | None) -> tuple[Cell, ...]:
     """Cells on speed, equilibrium amplitude, generalised force and magnifier; of a sum of orders on speed alone."""
-    critical = one.critical
+    critical = record.critical
     speed = NumberText(critical.natural_speed * RPM, 4, 1)
     if summed:
         return speed, "", "", ""
@@ -250,13 +258,13 @@ def _common(one: CriticalRecord, summed: SummedOrder | None) -> tuple[Cell, ...]
     )
 
 
-def _values(subject: ReportData, one: CriticalRecord, summed: SummedOrder | None) -> tuple[Cell, ...]:
+def _values(subject: ReportData, record: CriticalRecord, summed: SummedOrder | None) -> tuple[Cell, ...]:
     """Cells on the component that an order, or a sum of orders, uses most: name, speed, values and values allowed."""
-    point = not_none(one.point)
-    sizes = (point.order(summed.places if summed else (one.line,)), point.value, point.continuous, point.in_passing)
+    point = not_none(record.point)
+    sizes = (point.order(summed.places if summed else (record.line,)), point.value, point.continuous, point.in_passing)
     return (
         component_cell(subject, point.verdict),
-        NumberText(point.rpm if one.is_peak else math.nan, 4, 1),
+        NumberText(point.rpm if record.is_peak else math.nan, 4, 1),
         *(limit_number(size, point.verdict.unit, subject.conventions) for size in sizes),
     )
 
@@ -268,14 +276,14 @@ def component_cell(subject: ReportData, verdict: LimitVerdict, *, with_unit: boo
     return (as_words(verdict.limit), *named, *([unit] if unit else []))
 
 
-def damping_cell(case: Case, one: CriticalSpeed) -> str:
+def damping_cell(case: Case, critical: CriticalSpeed) -> str:
     """Largest shares of elements in the damping of a mode as a text, such as "propeller 79 %, others 21 %"."""
-    found = damping_shares(case.drivetrain, one)
-    named = [(name, share) for name, share in found.items() if share >= SMALLEST_SHARE_NAMED][:MOST_SHARES]
-    if not found:
+    shares = damping_shares(case.drivetrain, critical)
+    named = [(name, share) for name, share in shares.items() if share >= SMALLEST_SHARE_NAMED][:MOST_SHARES]
+    if not shares:
         return ""
     texts = [f"{as_words(name)} {100 * share:.0f}\N{NO-BREAK SPACE}%" for name, share in named]
-    rest = 100 * (sum(found.values()) - sum(share for _, share in named))
+    rest = 100 * (sum(shares.values()) - sum(share for _, share in named))
     more = [phrase("others {share:.0f} %", share=rest)] if rest >= 1 else []
     return joined(", ", [*texts, *more])
 
@@ -293,7 +301,9 @@ def without_empty(block: TableBlock) -> TableBlock:
     """Table without the columns in which no row has anything."""
     rows = [row for group in block.groups for row in group.rows]
     used = [place for place, _ in enumerate(block.columns) if any(map(_is_given, (row[place] for row in rows)))]
-    groups = tuple(Group(tuple(tuple(row[at] for at in used) for row in one.rows), one.title) for one in block.groups)
+    groups = tuple(
+        Group(tuple(tuple(row[at] for at in used) for row in group.rows), group.title) for group in block.groups
+    )
     return TableBlock(block.caption, tuple(block.columns[at] for at in used), groups, block.notes, block.more)
 
 
@@ -318,17 +328,17 @@ def normal_response(subject: ReportData) -> TableBlock | None:
     columns = (Heading("Component"), Heading("Place"), *_response_columns())
     rows: list[tuple[Cell, ...]] = []
     for verdict, those in _by_component(peaks):
-        found: list[tuple[str, JudgedPoint, str]] = []
+        points: list[tuple[str, JudgedPoint, str]] = []
         if peaks.rated is not None:
-            found.append((phrase("rated speed"), JudgedPoint(peaks.points, verdict, peaks.rated), ""))
-        found += [(phrase("peak" if one.is_peak else "largest, no peak"), one.point, maker(one)) for one in those]
+            points.append((phrase("rated speed"), JudgedPoint(peaks.points, verdict, peaks.rated), ""))
+        points += [(phrase("peak" if peak.is_peak else "largest, no peak"), peak.point, maker(peak)) for peak in those]
         rows += [
             (
                 component_cell(subject, verdict, with_unit=False),
                 place,
                 *_response_cells(subject, point, made, phases=True),
             )
-            for place, point, made in found
+            for place, point, made in points
         ]
     if not rows:
         return None
@@ -342,19 +352,19 @@ def further_response(subject: ReportData) -> TableBlock | None:
     further = subject.further_peaks
     known = [*not_none(subject.normal_peaks).sums]
     kept: dict[int, list[SumPeak]] = {}
-    every = [(place, one) for place, peaks in enumerate(further) for one in peaks.sums]
+    every = [(place, peak) for place, peaks in enumerate(further) for peak in peaks.sums]
     # The most used first, so that it stands for others that are as large.
-    for place, one in sorted(every, key=lambda pair: -pair[1].point.utilisation):
-        if one.point.utilisation >= LEAST_USE_ELSEWHERE and not any(_alike_peaks(one, other) for other in known):
-            known.append(one)
-            kept.setdefault(place, []).append(one)
+    for place, peak in sorted(every, key=lambda pair: -pair[1].point.utilisation):
+        if peak.point.utilisation >= LEAST_USE_ELSEWHERE and not any(_alike_peaks(peak, other) for other in known):
+            known.append(peak)
+            kept.setdefault(place, []).append(peak)
     columns = (Heading("Component"), *_response_columns())
     groups = [
         Group(
             tuple(
-                (component_cell(subject, one.point.verdict, with_unit=False),
-                 *_response_cells(subject, one.point, maker(one)))
-                for one in further[place].sums if one in kept[place]
+                (component_cell(subject, peak.point.verdict, with_unit=False),
+                 *_response_cells(subject, peak.point, maker(peak)))
+                for peak in further[place].sums if peak in kept[place]
             ),
             subject.titles.of(further[place].check.configuration),
         )
@@ -375,14 +385,17 @@ def _by_component(peaks: ConditionPeaks) -> Iterator[tuple[LimitVerdict, list[Su
     for verdict in peaks.points.verdicts:
         if verdict.orders is not None and not verdict.in_passing and len(verdict.values):
             name = verdict.limit, verdict.criterion
-            yield verdict, [one for one in peaks.sums if (one.point.verdict.limit, one.point.verdict.criterion) == name]
+            yield (
+                verdict,
+                [peak for peak in peaks.sums if (peak.point.verdict.limit, peak.point.verdict.criterion) == name],
+            )
 
 
-def maker(one: SumPeak) -> str:
+def maker(peak: SumPeak) -> str:
     """Text with the order and mode that make a peak of the sum; the order alone where no mode is near."""
-    if one.mode is None:
-        return as_words(one.order)
-    return phrase("{order}, mode {mode}", order=as_words(one.order), mode=one.mode)
+    if peak.mode is None:
+        return as_words(peak.order)
+    return phrase("{order}, mode {mode}", order=as_words(peak.order), mode=peak.mode)
 
 
 def _response_columns() -> tuple[Heading, ...]:
@@ -429,9 +442,9 @@ def orders_cell(subject: ReportData, check: LimitCheck, verdict: LimitVerdict, a
     return "; ".join(texts)
 
 
-def _alike_peaks(one: SumPeak, other: SumPeak) -> bool:
+def _alike_peaks(peak: SumPeak, other: SumPeak) -> bool:
     """Whether two peaks of the sum are those of one component at one speed and of one size, within ``SAME_VALUE``."""
-    first, second = one.point, other.point
+    first, second = peak.point, other.point
     named = [(point.verdict.limit, point.verdict.criterion) for point in (first, second)]
     return (
         named[0] == named[1] and same_value(first.rpm, second.rpm) and same_value(first.utilisation, second.utilisation)

@@ -49,17 +49,17 @@ NO_PEAK = "Without a speed of its peak the order has no maximum of its own; valu
 def notes_on_criticals(subject: ReportData, peaks: ConditionPeaks, shown: Sequence[CriticalRecord]) -> Iterator[Text]:
     """Yield the notes below the table of critical speeds in the normal condition, of which ``shown`` are listed."""
     yield from ((note,) for note in CRITICAL_NOTES)
-    if any(not one.is_peak for one in shown):
+    if any(not record.is_peak for record in shown):
         yield (NO_PEAK,)
     yield from ((note,) for note in propeller_dampings(subject.normal_case, shown))
     yield from ((note,) for note in coupling_dampings(subject.normal_case, shown))
     yield from ((note,) for note in (*cancelling_sources(shown), *cancelling_cylinders(subject, shown)))
-    rest = [one for one in peaks.criticals if one.point is not None and one not in shown]
+    rest = [record for record in peaks.criticals if record.point is not None and record not in shown]
     if rest:
         yield (
             phrase(
                 "At other critical speeds in the range the order alone uses at most {share:.2g} % of a limit: {names}.",
-                share=100 * max(one.share for one in rest),
+                share=100 * max(record.share for record in rest),
                 names=places_words(rest),
             ),
         )
@@ -79,11 +79,11 @@ def notes_on_criticals(subject: ReportData, peaks: ConditionPeaks, shown: Sequen
 
 def beside_range(peaks: ConditionPeaks, shown: Sequence[CriticalRecord]) -> Iterator[str]:
     """Yield the sentence on critical speeds of a condition outside of the speeds examined, as strong as those shown."""
-    strongest = max((one.critical.resonant_amplitude for one in shown), default=0.0)
+    strongest = max((record.critical.resonant_amplitude for record in shown), default=0.0)
     beyond = [
-        one
-        for one in peaks.criticals
-        if one.point is None and one.critical.resonant_amplitude >= LEAST_SHARE * strongest
+        record
+        for record in peaks.criticals
+        if record.point is None and record.critical.resonant_amplitude >= LEAST_SHARE * strongest
     ]
     if beyond:
         low, high = peaks.check.rpm[0], peaks.check.rpm[-1]
@@ -96,20 +96,22 @@ def propeller_dampings(case: Case, records: Sequence[CriticalRecord]) -> Iterato
     definition = case.drivetrain.definition
     laws = {
         name: law
-        for name, one in case.drivetrain.elements.items()
-        if isinstance(one, Propeller)
+        for name, element in case.drivetrain.elements.items()
+        if isinstance(element, Propeller)
         for entry, law in PROPELLER_LAWS
-        if getattr(one, entry) is not None
+        if getattr(element, entry) is not None
     }
-    speeds = np.unique([one.critical.natural_speed for one in records if math.isfinite(one.critical.natural_speed)])
+    speeds = np.unique(
+        [record.critical.natural_speed for record in records if math.isfinite(record.critical.natural_speed)]
+    )
     if not laws or not definition.follows_speed or definition.speeds is None or not len(speeds):
         return
-    found: dict[str, list[float]] = {name: [] for name in laws}
+    dampings: dict[str, list[float]] = {name: [] for name in laws}
     for rig, places in drivetrains_at_speeds(case.drivetrain, definition.speeds.of, speeds):
         for owner, law in zip(rig.assembly.owners, rig.assembly.laws, strict=True):
-            if owner in found:
-                found[owner] += [float(law.damping)] * len(places)
-    for name, sizes in found.items():
+            if owner in dampings:
+                dampings[owner] += [float(law.damping)] * len(places)
+    for name, sizes in dampings.items():
         prefix, factor = prefix_of("N*m*s/rad", max(sizes))
         each = [
             phrase("{size} at {speed:.1f}", size=NumberText(size / factor, DIGITS), speed=speed * RPM)
@@ -127,24 +129,24 @@ def propeller_dampings(case: Case, records: Sequence[CriticalRecord]) -> Iterato
 def coupling_dampings(case: Case, records: Sequence[CriticalRecord]) -> Iterator[str]:
     """Yield a sentence for each spring with a loss factor as of rubber: viscous damping that loses as much, by mode."""
     speeds = case.drivetrain.definition.speeds
-    met = [one.critical for one in records if math.isfinite(one.critical.natural_speed)]
+    met = [record.critical for record in records if math.isfinite(record.critical.natural_speed)]
     if speeds is None or not met:
         return
-    found: dict[str, dict[int, dict[float, float]]] = {}
-    at = np.array([one.natural_speed for one in met])
+    dampings: dict[str, dict[int, dict[float, float]]] = {}
+    at = np.array([critical.natural_speed for critical in met])
     for rig, places in drivetrains_at_speeds(case.drivetrain, speeds.of, at):
         for owner, law in zip(rig.assembly.owners, rig.assembly.laws, strict=True):
-            for one in (met[place] for place in places.tolist()):
-                omega = 2 * math.pi * one.mode.natural_frequency
+            for critical in (met[place] for place in places.tolist()):
+                omega = 2 * math.pi * critical.mode.natural_frequency
                 stiffness = complex(law.stiffness) * (1 + 1j * float(law.loss_factor))
                 if law.table is not None:
                     stiffness += complex(law.table.kappa(np.array([omega]))[0])
                 # k (1 + j eta) = k + j omega c: the same loss in each cycle at this frequency.
                 if stiffness.imag >= LEAST_LOSS * stiffness.real > 0:
-                    found.setdefault(owner, {}).setdefault(one.mode.number, {})[one.natural_speed] = (
+                    dampings.setdefault(owner, {}).setdefault(critical.mode.number, {})[critical.natural_speed] = (
                         stiffness.imag / omega
                     )
-    for name, by_mode in found.items():
+    for name, by_mode in dampings.items():
         prefix, factor = prefix_of("N*m*s/rad", max(size for those in by_mode.values() for size in those.values()))
         each = []
         for mode, sizes in by_mode.items():
@@ -164,43 +166,45 @@ def coupling_dampings(case: Case, records: Sequence[CriticalRecord]) -> Iterator
 
 def cancelling_sources(records: Sequence[CriticalRecord]) -> Iterator[str]:
     """Yield the sentence on orders of several sources at one frequency whose sum is much less than the largest."""
-    found: dict[tuple[str, int], str] = {}
-    for one in records:
-        if one.point is None:
+    cancelling: dict[tuple[str, int], str] = {}
+    for record in records:
+        if record.point is None:
             continue
-        summed = next(those for those in one.point.check.summed if one.line in those.places)
-        largest = max(one.point.order((line,)) for line in summed.places)
-        share = one.point.order(summed.places) / largest if largest else 1.0
+        summed = next(those for those in record.point.check.summed if record.line in those.places)
+        largest = max(record.point.order((line,)) for line in summed.places)
+        share = record.point.order(summed.places) / largest if largest else 1.0
         if len(summed.places) > 1 and share < CANCELLING_SOURCES:
-            mode = one.critical.mode.number
+            mode = record.critical.mode.number
             template = "{order}, mode {mode} ({share:.2g} % of the largest)"
             text = phrase(template, order=as_words(summed.name), mode=mode, share=100 * share)
-            found.setdefault((summed.name, mode), text)
-    if found:
+            cancelling.setdefault((summed.name, mode), text)
+    if cancelling:
         yield phrase(
             "Sources at one frequency cancel each other: {names}. What is measured is the sum, in the row that names "
             "them all; rows of single sources are what each of them would make alone.",
-            names=joined("; ", list(found.values())),
+            names=joined("; ", list(cancelling.values())),
         )
 
 
 def cancelling_cylinders(subject: ReportData, records: Sequence[CriticalRecord]) -> Iterator[str]:
     """Yield the sentence on orders whose cylinders cancel each other on a mode, so that their force is small."""
-    found, excitations = [], subject.normal_case.drivetrain.definition.excitations
-    for one in records:
-        star = one.critical.star
-        if star is None or one.critical.case or not isinstance(excitations[star.excitation], ReciprocatingEngine):
+    cancelling, excitations = [], subject.normal_case.drivetrain.definition.excitations
+    for record in records:
+        star = record.critical.star
+        if star is None or record.critical.case or not isinstance(excitations[star.excitation], ReciprocatingEngine):
             continue
         whole = float(abs(star.vectors).sum())
         if abs(star.sum) < CANCELLING * whole:
             template = "{order}, mode {mode} ({share:.2g} %)"
             share = 100 * abs(star.sum) / whole
-            found.append(phrase(template, order=as_words(one.name), mode=one.critical.mode.number, share=share))
-    if found:
+            cancelling.append(
+                phrase(template, order=as_words(record.name), mode=record.critical.mode.number, share=share)
+            )
+    if cancelling:
         yield phrase(
             "Cylinders that are alike cancel each other: {names} of what they would make in phase. Differences between "
             "cylinders raise these most.",
-            names=joined("; ", found),
+            names=joined("; ", cancelling),
         )
 
 
@@ -209,11 +213,11 @@ def places_words(records: Sequence[CriticalRecord]) -> str:
     named = [
         phrase(
             "{order}, mode {mode} at {speed:.1f}",
-            order=as_words(one.name),
-            mode=one.critical.mode.number,
-            speed=one.critical.natural_speed * RPM,
+            order=as_words(record.name),
+            mode=record.critical.mode.number,
+            speed=record.critical.natural_speed * RPM,
         )
-        for one in records[:MOST_NAMED]
+        for record in records[:MOST_NAMED]
     ]
     more = len(records) - MOST_NAMED
     return joined(", ", [*named, *([phrase("… and {count} more", count=more)] if more > 0 else [])])
@@ -226,10 +230,10 @@ def _distances(subject: ReportData, shown: Sequence[CriticalRecord]) -> Iterator
         return
     nearest: dict[str, float] = {}
     modes: dict[str, int] = {}
-    for one in shown:
-        off = one.critical.natural_speed / speeds.rated - 1
-        if abs(off) < abs(nearest.get(one.name, math.inf)):
-            nearest[one.name], modes[one.name] = off, one.critical.mode.number
+    for record in shown:
+        off = record.critical.natural_speed / speeds.rated - 1
+        if abs(off) < abs(nearest.get(record.name, math.inf)):
+            nearest[record.name], modes[record.name] = off, record.critical.mode.number
     closest = sorted(nearest.items(), key=lambda pair: abs(pair[1]))
     shares = [f"{100 * off:+.1f}".replace("-", "\N{MINUS SIGN}") for _, off in closest]
     template = "{order}, mode {mode}: {share} %"

@@ -28,15 +28,15 @@ def free_end(definition: Definition) -> str:
 
 def _neighbours(definition: Definition) -> dict[str, set[str]]:
     """Nodes that an element connects with each node, in the order in which the elements name them."""
-    found: dict[str, set[str]] = {}
+    neighbours: dict[str, set[str]] = {}
     for element in definition.active:
         nodes = [node for node in element.ports.values() if node != GROUND]
         for node in nodes:
-            found.setdefault(node, set())
-        for one, other in combinations(nodes, 2):
-            found[one].add(other)
-            found[other].add(one)
-    return found
+            neighbours.setdefault(node, set())
+        for node, other in combinations(nodes, 2):
+            neighbours[node].add(other)
+            neighbours[other].add(node)
+    return neighbours
 
 
 def _cylinder_nodes(definition: Definition) -> list[str]:
@@ -47,11 +47,11 @@ def _cylinder_nodes(definition: Definition) -> list[str]:
 
 def _distances(neighbours: Mapping[str, set[str]], start: list[str]) -> dict[str, int]:
     """Number of elements between each node and the nearest node to start from, of the nodes connected to one."""
-    found = {node: 0 for node in start if node in neighbours}
-    order = list(found)
+    distances = {node: 0 for node in start if node in neighbours}
+    order = list(distances)
     for node in order:
         for other in sorted(neighbours[node]):
-            if other not in found:
-                found[other] = found[node] + 1
+            if other not in distances:
+                distances[other] = distances[node] + 1
                 order.append(other)
-    return found
+    return distances

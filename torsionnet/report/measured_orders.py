@@ -80,13 +80,13 @@ def measured_files(raw: Any, model: Drivetrain) -> tuple[MeasuredFile, ...]:
     UsageError
         No such configuration, or none is said although the model has several.
     """
-    found = []
+    files = []
     pairs: Iterable[tuple[str, Any]]
-    pairs = raw.items() if isinstance(raw, Mapping) else (("", one) for one in raw)
+    pairs = raw.items() if isinstance(raw, Mapping) else (("", path) for path in raw)
     for name, paths in pairs:
         listed = [paths] if isinstance(paths, (str, os.PathLike, MeasuredFile)) else list(paths)
-        found += [one if isinstance(one, MeasuredFile) else _parsed(name, os.fspath(one), model) for one in listed]
-    return tuple(found)
+        files += [path if isinstance(path, MeasuredFile) else _parsed(name, os.fspath(path), model) for path in listed]
+    return tuple(files)
 
 
 def _parsed(name: str, text: str, model: Drivetrain) -> MeasuredFile:
@@ -122,27 +122,27 @@ def read_measured(
             f"to report: {{measure: [{', '.join([*names, file.place])}]}}",
             kind="unknown-name",
         )
-    found, refusals = {}, []
+    orders_by_place, refusals = {}, []
     for place in places:
         if file.place in ("", place.name):
             try:
-                found[place.name] = read_orders(file.path, place, configuration)
+                orders_by_place[place.name] = read_orders(file.path, place, configuration)
             except UsageError as error:
                 refusals.append(str(error))
-    if not found:
+    if not orders_by_place:
         reasons = "; ".join(dict.fromkeys(refusals))
         raise UsageError(
             f"{reasons}. The plan measures {', '.join(f'{place.name} in {place.unit}' for place in places)}; give the "
             "file another unit, or name other sensors in report: {measure: [...]}",
             kind="wrong-unit",
         )
-    if len(found) > 1 and not is_written_table(file.path):
+    if len(orders_by_place) > 1 and not is_written_table(file.path):
         raise UsageError(
-            f"{file.path.name} may be of {' or '.join(found)}, which have the same unit; say which: "
-            f"{configuration or 'CONFIGURATION'}:{next(iter(found))}={file.path.name}",
+            f"{file.path.name} may be of {' or '.join(orders_by_place)}, which have the same unit; say which: "
+            f"{configuration or 'CONFIGURATION'}:{next(iter(orders_by_place))}={file.path.name}",
             kind="ambiguous-name",
         )
-    return found
+    return orders_by_place
 
 
 # Tables of a report that lay measured orders and half ranges beside calculated ones and limits.
@@ -164,10 +164,10 @@ def measured_order_tables(
     Orders of a run-up too fast for steady peaks are compared with those along its speed over time. ``place`` says how
     and ``where`` on what and in which condition was measured.
     """
-    pairs = [pair for one in tests for pair in compared_orders(run, output, one.orders, one.swept)]
-    notes = [*meaning_notes(run, pairs), *dict.fromkeys(remark for one in tests for remark in one.remarks)]
-    notes += filter(None, [common_turn([one.pair for one in pairs])])
-    notes += not_compared([order for one in tests for order in one.orders], pairs)
+    pairs = [pair for test in tests for pair in compared_orders(run, output, test.orders, test.swept)]
+    notes = [*meaning_notes(run, pairs), *dict.fromkeys(remark for test in tests for remark in test.remarks)]
+    notes += filter(None, [common_turn([compared.pair for compared in pairs])])
+    notes += not_compared([order for test in tests for order in test.orders], pairs)
     peaks = phrase("Measured and calculated peaks: {place}{where}", place=place, where=where)
     differences = phrase("Measured beside calculated orders over speed: {place}{where}", place=place, where=where)
     return [
@@ -177,25 +177,25 @@ def measured_order_tables(
 
 
 def _peaks(pairs: Sequence[ComparedOrder], si: str, conventions: Conventions, caption: str) -> TableBlock:
-    tests = [(one.measured.amplitude, one.measured.speeds) for one in pairs]
-    models = [(one.calculated, one.measured.speeds) for one in pairs]
+    tests = [(pair.measured.amplitude, pair.measured.speeds) for pair in pairs]
+    models = [(pair.calculated, pair.measured.speeds) for pair in pairs]
     peaks = [[(float(size.max()), float(speed[size.argmax()])) for size, speed in side] for side in (tests, models)]
     scale, shown = engineering_unit(si, conventions, max(size for side in peaks for size, _ in side))
     columns = [Heading("Order", numeric=True)]
-    cells: list[list[Cell]] = [[f"{one.measured.order:.4g}" for one in pairs]]
+    cells: list[list[Cell]] = [[f"{pair.measured.order:.4g}" for pair in pairs]]
     for name, side in zip(("Measured", "Calculated"), peaks, strict=True):
         columns += [Heading(name, unit(shown), numeric=True), Heading("Speed", "rpm", numeric=True)]
         cells += [list(aligned_numbers([size * scale for size, _ in side], 3))]
         cells += [list(aligned_numbers([speed * RPM for _, speed in side], 3))]
     columns += [Heading("Deviation", "%", numeric=True), Heading("Verdict")]
-    cells += [_percent([one.agreement.peak for one in pairs]), [one.agreement.verdict for one in pairs]]
+    cells += [_percent([pair.agreement.peak for pair in pairs]), [pair.agreement.verdict for pair in pairs]]
     return table(caption, columns, list(zip(*cells, strict=True)))
 
 
 def _differences(pairs: Sequence[ComparedOrder], caption: str, notes: Sequence[Cell]) -> TableBlock:
     def column(value: Callable[[OrderAgreement], float | None]) -> list[Cell]:
-        found = [value(one.agreement) for one in pairs]
-        return [""] * len(pairs) if all(one is None for one in found) else _percent(found)
+        figures = [value(pair.agreement) for pair in pairs]
+        return [""] * len(pairs) if all(figure is None for figure in figures) else _percent(figures)
 
     columns = (
         Heading("Order", numeric=True),
@@ -206,12 +206,12 @@ def _differences(pairs: Sequence[ComparedOrder], caption: str, notes: Sequence[C
         Heading("Explanation", wide=True),
     )
     cells: list[list[Cell]] = [
-        [f"{one.measured.order:.4g}" for one in pairs],
-        column(lambda one: one.rms),
-        column(lambda one: one.phase_at_peak),
-        column(lambda one: one.phase_rms),
-        column(lambda one: one.intervals),
-        [one.agreement.sentence for one in pairs],
+        [f"{pair.measured.order:.4g}" for pair in pairs],
+        column(lambda agreement: agreement.rms),
+        column(lambda agreement: agreement.phase_at_peak),
+        column(lambda agreement: agreement.phase_rms),
+        column(lambda agreement: agreement.intervals),
+        [pair.agreement.sentence for pair in pairs],
     ]
     return table(caption, columns, list(zip(*cells, strict=True)), notes)
 
@@ -229,16 +229,16 @@ def measured_range_block(ranges: Sequence[MeasuredRange], conventions: Conventio
         Heading("Explanation", wide=True),
     )
     rows: list[tuple[Cell, ...]] = []
-    for one in ranges:
-        largest = float(max(one.measured.max(), one.calculated.max()))
-        scale, shown = limit_scale(one.limited.unit, conventions, largest)
-        used = one.utilisation[np.isfinite(one.utilisation)]
-        sizes = (NumberText(float(size.max()) * scale, 4) for size in (one.measured, one.calculated))
+    for judged_range in ranges:
+        largest = float(max(judged_range.measured.max(), judged_range.calculated.max()))
+        scale, shown = limit_scale(judged_range.limited.unit, conventions, largest)
+        used = judged_range.utilisation[np.isfinite(judged_range.utilisation)]
+        sizes = (NumberText(float(size.max()) * scale, 4) for size in (judged_range.measured, judged_range.calculated))
         rows.append((
-            f"{as_words(one.limited.limit)}, {as_words(one.limited.criterion)}", *sizes, unit(shown),
-            NumberText(one.peak_difference, DIFFERENCE_DIGITS, 1),
+            f"{as_words(judged_range.limited.limit)}, {as_words(judged_range.limited.criterion)}", *sizes, unit(shown),
+            NumberText(judged_range.peak_difference, DIFFERENCE_DIGITS, 1),
             NumberText(100 * float(used.max()), DIFFERENCE_DIGITS, 1) if used.size else "",
-            one.verdict, as_words(one.sentence),
+            judged_range.verdict, as_words(judged_range.sentence),
         ))  # fmt: skip
     return table(caption, columns, rows, [RANGE_NOTE])
 

@@ -56,13 +56,13 @@ def measuring_places(subject: ReportData) -> tuple[MeasuringPlace, ...]:
 
 def _most_used_shaft(subject: ReportData) -> str:
     """Name of the accessible shaft used most by a limit of stress, else of the first shaft with a sensor; or empty."""
-    definition, found = subject.model.definition, subject.limit_conclusion
-    worst = [one for one in found.worst() if one.utilisation is not None] if found else []
-    limits = [definition.limits[one.verdict.limit] for one in worst]
+    definition, judged = subject.model.definition, subject.limit_conclusion
+    worst = [worst_limit for worst_limit in judged.worst() if worst_limit.utilisation is not None] if judged else []
+    limits = [definition.limits[worst_limit.verdict.limit] for worst_limit in worst]
     shafts = [limit for limit in limits if isinstance(limit, ShaftLimit)]
     if shafts:
         return str(min(shafts, key=_is_in_the_stern_tube).element)
-    measured = [one.of for one in definition.sensors.values() if one.quantity == "torque"]
+    measured = [sensor.of for sensor in definition.sensors.values() if sensor.quantity == "torque"]
     return next((name for name in measured if section_fault(definition.elements[name]) is None), "")
 
 
@@ -73,7 +73,7 @@ def _is_in_the_stern_tube(limit: ShaftLimit) -> bool:
 
 def files_by_case(subject: ReportData) -> tuple[tuple[Case, tuple[MeasuredFile, ...]], ...]:
     """Files with measured orders by the condition they were measured in, in the order they were given."""
-    found: dict[str, list[MeasuredFile]] = {}
+    files_by_name: dict[str, list[MeasuredFile]] = {}
     for file in subject.request.measured:
         name = file.configuration or (subject.judged_cases[0].configuration if len(subject.judged_cases) == 1 else "")
         if not name and subject.model.configurations:
@@ -83,11 +83,11 @@ def files_by_case(subject: ReportData) -> tuple[tuple[Case, tuple[MeasuredFile, 
                 f"{file.path.name}: {text}; write CONFIGURATION={file.path.name}, there are {names}",
                 kind="unknown-configuration",
             )
-        found.setdefault(name, []).append(file)
+        files_by_name.setdefault(name, []).append(file)
     known = {case.configuration: case for case in subject.judged_cases}
     return tuple(
         (known.get(name) or Case(name, subject.model.configured(name) if name else subject.model), tuple(files))
-        for name, files in found.items()
+        for name, files in files_by_name.items()
     )
 
 

@@ -48,8 +48,8 @@ def rated_elsewhere(subject: ReportData) -> TableBlock | None:
     if peaks is None or peaks.rated is None or subject.limit_conclusion is None:
         return None
     normal, speed = _points(peaks.points, peaks.rated), float(peaks.points.speeds[peaks.rated])
-    checks = [one for one in subject.limit_conclusion.checks if one.configuration != peaks.check.configuration]
-    others = {one.configuration: points for one in checks if (points := _at(subject, one, speed))}
+    checks = [check for check in subject.limit_conclusion.checks if check.configuration != peaks.check.configuration]
+    others = {check.configuration: points for check in checks if (points := _at(subject, check, speed))}
     used = {name: max(_used(those, name) for those in (normal, *others.values())) for name in normal}
     differing = [name for name in normal if any(_differs(those, normal, name) for those in others.values())]
     shown = _most_used(differing, used, MOST_CRITERIA)
@@ -76,7 +76,7 @@ def rated_elsewhere(subject: ReportData) -> TableBlock | None:
 
 def _most_used(names: Sequence[Name], used: Mapping[Name, float], most: int) -> list[Name]:
     """The names that use most, in their order."""
-    return sorted(sorted(names, key=lambda one: -used[one])[:most], key=names.index)
+    return sorted(sorted(names, key=lambda name: -used[name])[:most], key=names.index)
 
 
 def _differs(points: RatedPoints, normal: RatedPoints, name: tuple[str, str]) -> bool:
@@ -87,9 +87,9 @@ def _differs(points: RatedPoints, normal: RatedPoints, name: tuple[str, str]) ->
 def _points(check: LimitCheck, at: int) -> RatedPoints:
     """Values of every criterion for continuous operation at one speed of a check, by limit and criterion."""
     return {
-        (one.limit, one.criterion): JudgedPoint(check, one, at)
-        for one in check.verdicts
-        if not one.in_passing and len(one.values) and math.isfinite(one.values[at])
+        (verdict.limit, verdict.criterion): JudgedPoint(check, verdict, at)
+        for verdict in check.verdicts
+        if not verdict.in_passing and len(verdict.values) and math.isfinite(verdict.values[at])
     }
 
 
@@ -119,22 +119,24 @@ def cyclic_irregularities(subject: ReportData) -> Iterator[str]:
     It is (w_max - w_min)/w_mean of the rotor's speed over a cycle, twice the half range of all orders over the mean.
     """
     speeds = subject.model.definition.speeds
-    generators = [one for one in subject.model.definition.limits.values() if isinstance(one, MachineAngleLimit)]
+    generators = [limit for limit in subject.model.definition.limits.values() if isinstance(limit, MachineAngleLimit)]
     if speeds is None or speeds.rated is None:
         return
-    for node in dict.fromkeys(one.node for one in generators):
-        found: dict[str, list[str]] = {}
+    for node in dict.fromkeys(limit.node for limit in generators):
+        conditions_by_irregularity: dict[str, list[str]] = {}
         for case in subject.judged_cases[: MOST_CONDITIONS + 1]:
             if not _runs_at(case.drivetrain.definition.speeds, speeds.rated):
                 continue
             run = case.drivetrain.order_response(Sensor("velocity", node), speeds=np.array([speeds.rated]))
             mean = speeds.rated * abs(float(cached_total_ratio(case.drivetrain, node, run.reference)))
             if swing := 2 * float(run.half_range[0, 0]):
-                found.setdefault(f"1/{NumberText(mean / swing, DIGITS)}", []).append(case.configuration)
-        known = [name for names in found.values() for name in names]
+                conditions_by_irregularity.setdefault(f"1/{NumberText(mean / swing, DIGITS)}", []).append(
+                    case.configuration
+                )
+        known = [name for names in conditions_by_irregularity.values() for name in names]
         each = [
             phrase("{value} in {conditions}", value=share, conditions=where) if where else share
-            for share, names in found.items()
+            for share, names in conditions_by_irregularity.items()
             for where in [subject.titles.several(names, known)]
         ]
         if each:

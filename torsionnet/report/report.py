@@ -48,10 +48,10 @@ def check_study_models(model: Drivetrain, studies: Iterable[Study]) -> None:
     UsageError
         With all of them, and what differs.
     """
-    found = [text for one in studies if (text := _refusal(model, one))]
-    if found:
+    refusals = [text for study in studies if (text := _refusal(model, study))]
+    if refusals:
         raise UsageError(
-            "\n".join([*found, "a report shows only studies of its own model; run them again with this model"]),
+            "\n".join([*refusals, "a report shows only studies of its own model; run them again with this model"]),
             kind="unlike-results",
         )
 
@@ -69,18 +69,18 @@ def _refusal(model: Drivetrain, study: Study) -> str:
     return f"the study {study.title} is of another {own.title} than the report of {model.title}: they differ in {what}"
 
 
-def _differing(one: Drivetrain, other: Drivetrain) -> list[str]:
+def _differing(model: Drivetrain, other: Drivetrain) -> list[str]:
     """Texts with the names of entries that differ between two models, with their values where these are short."""
-    mine, others = _data(one), _data(other)
-    found = []
+    mine, others = _data(model), _data(other)
+    differing = []
     for key in dict.fromkeys((*mine, *others)):
         here, there = mine.get(key), others.get(key)
         if isinstance(here, dict) and isinstance(there, dict):
             names = [name for name in dict.fromkeys((*here, *there)) if here.get(name) != there.get(name)]
-            found += [f"{key}.{name}{_values(there.get(name), here.get(name))}" for name in names]
+            differing += [f"{key}.{name}{_values(there.get(name), here.get(name))}" for name in names]
         elif here != there:
-            found.append(key)
-    return found
+            differing.append(key)
+    return differing
 
 
 def _data(model: Drivetrain) -> dict[str, Any]:
@@ -90,9 +90,9 @@ def _data(model: Drivetrain) -> dict[str, Any]:
 
 def _values(study: Any, report: Any) -> str:
     """Text with the values of a parameter in the study and in the report; empty where it has no single value."""
-    shown = [one.get("value") if isinstance(one, dict) else one for one in (study, report)]
-    texts = ["missing" if one is None else one for one in shown]
-    return "" if any(isinstance(one, dict | list) or one == "" for one in texts) or texts == ["missing"] * 2 else (
+    shown = [raw.get("value") if isinstance(raw, dict) else raw for raw in (study, report)]
+    texts = ["missing" if raw is None else raw for raw in shown]
+    return "" if any(isinstance(raw, dict | list) or raw == "" for raw in texts) or texts == ["missing"] * 2 else (
         f" ({texts[0]} in the study, {texts[1]} in the report)"
     )  # fmt: skip
 
@@ -314,7 +314,7 @@ def _require_plan(request: ReportRequest, model: Drivetrain) -> None:
     """Refuse measured orders that the report has no section for."""
     if not request.measured:
         return
-    names = ", ".join(one.path.name for one in request.measured)
+    names = ", ".join(file.path.name for file in request.measured)
     if model.definition.speeds is None or not model.definition.excitations:
         raise UsageError(
             f"measured orders ({names}) need the entries speeds: and excitations: of the model", kind="missing-entry"
@@ -329,11 +329,11 @@ def _require_plan(request: ReportRequest, model: Drivetrain) -> None:
 def _measured_inputs(request: ReportRequest) -> tuple[tuple[str, str], ...]:
     """Names of the files with measured orders, each with its SHA-256; all that cannot be read are told at once."""
     inputs, faults = [], []
-    for one in request.measured:
+    for file in request.measured:
         try:
-            inputs.append((one.path.name, digest_of(one.path.read_bytes())))
+            inputs.append((file.path.name, digest_of(file.path.read_bytes())))
         except OSError as error:
-            faults.append(f"cannot read {one.path}: {error.strerror}")
+            faults.append(f"cannot read {file.path}: {error.strerror}")
     if faults:
         raise UsageError("; ".join(faults), kind="unreadable-file")
     return tuple(inputs)
@@ -350,7 +350,7 @@ def _read(model: Model) -> tuple[Drivetrain, Path, bytes, tuple[tuple[str, str],
     with files_recorded() as recorded:
         drivetrain = load(model)
     folder = path.parent.resolve()
-    inputs = sorted((one.relative_to(folder).as_posix(), digest_of(one.read_bytes())) for one in recorded)
+    inputs = sorted((file.relative_to(folder).as_posix(), digest_of(file.read_bytes())) for file in recorded)
     return drivetrain, path, path.read_bytes(), tuple(inputs)
 
 

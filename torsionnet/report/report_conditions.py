@@ -108,8 +108,8 @@ def _element(model: Drivetrain, name: str) -> str:
 def _entry(model: Drivetrain, key: str, value: Any, written: Any = None) -> str:
     """Text of a changed entry of an excitation, an element or the load, which its author may have written by a file."""
     owner, _, name = key.rpartition(".")
-    found = section_of(model.definition, key)
-    if found is not None and found[0] == EXCITATIONS:
+    section = section_of(model.definition, key)
+    if section is not None and section[0] == EXCITATIONS:
         excitation = model.definition.excitations[owner]
         if name in FIRING:
             if excitation.absorbs:
@@ -121,7 +121,7 @@ def _entry(model: Drivetrain, key: str, value: Any, written: Any = None) -> str:
         before = known.get(name) if isinstance(known, Mapping) else None
         if isinstance(value, Mapping) and isinstance(before, Mapping):
             # What stays as it is written is no change.
-            value = {key: one for key, one in value.items() if str(before.get(key)) != str(one)} or value
+            value = {key: new for key, new in value.items() if str(before.get(key)) != str(new)} or value
     what = phrase("load") if owner == LOAD else as_words(owner)
     points = "{name}: pressure trace of {count} points" if name == GAS else "{name}: {count} values"
     return joined("", (what, ": ", _named(name, value, written, points)))
@@ -147,13 +147,13 @@ def _named(name: str, value: Any, written: Any, points: str) -> str:
     """Text of an entry with its name and its value; of a list too long, ``points`` or the file that it came from."""
     if isinstance(value, Mapping) and not _is_long(value.get("pressures")):
         own = written if isinstance(written, Mapping) else {}
-        each = (_named(str(one), inner, own.get(one), points) for one, inner in value.items())
+        each = (_named(str(key), inner, own.get(key), points) for key, inner in value.items())
         return joined(" ", (phrase(as_words(name)), joined(", ", each)))
-    found = value["pressures"] if isinstance(value, Mapping) else value
-    if not _is_long(found):
+    pressures = value["pressures"] if isinstance(value, Mapping) else value
+    if not _is_long(pressures):
         return joined(" ", (phrase(as_words(name)), _listed(value)))
     template = "{name}: pressure trace of {file}, {count} points" if isinstance(written, str) else points
-    return phrase(template, name=as_words(name), file=written, count=len(found))
+    return phrase(template, name=as_words(name), file=written, count=len(pressures))
 
 
 def _is_long(value: Any) -> bool:
@@ -215,5 +215,5 @@ def unexamined(model: Drivetrain, titles: ConditionTitles, examined: Sequence[st
     for axis, alternatives in model.axes.items():
         for name in alternatives:
             label = f"{axis}={name}" if len(model.axes) > 1 else name
-            if all(label not in one.split(",") for one in examined):
+            if all(label not in condition.split(",") for condition in examined):
                 yield titles.alternative(axis, name)

@@ -82,8 +82,8 @@ def in_words_of(excitations: Iterable[Any], words: str) -> str:
     >>> in_words_of(train.definition.excitations.values(), "With a cylinder out")
     'With cylinders unloaded'
     """
-    engines = [one for one in excitations if isinstance(one, ReciprocatingEngine)]
-    return OF_COMPRESSORS[words] if engines and all(one.absorbs for one in engines) else words
+    engines = [excitation for excitation in excitations if isinstance(excitation, ReciprocatingEngine)]
+    return OF_COMPRESSORS[words] if engines and all(excitation.absorbs for excitation in engines) else words
 
 
 def all_working(cases: Sequence[Case]) -> Sequence[Case]:
@@ -97,15 +97,15 @@ def lost_torque_words(subject: ReportData) -> str:
     if speeds is None:
         return ""
     speed = float(speeds.rated or speeds.values[-1])
-    found: dict[str, list[str]] = {}
+    conditions_by_share: dict[str, list[str]] = {}
     for case in subject.judged_cases:
         kept = _kept(case, speed)
         if kept < 1 - NOT_SHOWN:
-            found.setdefault(f"{100 * kept:.3g}", []).append(case.configuration)
+            conditions_by_share.setdefault(f"{100 * kept:.3g}", []).append(case.configuration)
     every = subject.model.configurations
     shares = [
         phrase("{share} % ({conditions})", share=share, conditions=subject.titles.several(names, every))
-        for share, names in found.items()
+        for share, names in conditions_by_share.items()
     ]
     return (
         phrase(
@@ -130,12 +130,15 @@ def _kept(case: Case, speed: float) -> float:
 
 def governing_misfire(subject: ReportData) -> WorstLimit | None:
     """Limit on vibration used most in conditions with a cylinder out, at its worst; None where none was judged."""
-    found = subject.limit_conclusion
-    checks = [one for one in found.checks if one.misfiring] if found else []
+    judged = subject.limit_conclusion
+    checks = [check for check in judged.checks if check.misfiring] if judged else []
     if not checks:
         return None
     worst = LimitConclusion(tuple(checks)).worst()
-    return next((one for one in worst if one.verdict.orders is not None and one.verdict.worst is not None), None)
+    return next(
+        (limit for limit in worst if limit.verdict.orders is not None and limit.verdict.worst is not None),
+        None,
+    )
 
 
 def engine_out(subject: ReportData, name: str) -> tuple[Case, ReciprocatingEngine] | None:
@@ -173,13 +176,13 @@ def with_lost_torque(
 
     ``speed`` in rad/s is that of the crankshaft, ``places`` are the indices of the orders shown.
     """
-    found = engine_out(subject, name)
-    if found is None:
+    case_and_engine = engine_out(subject, name)
+    if case_and_engine is None:
         return block
-    engine = _out_as_in(working, found[1])
+    engine = _out_as_in(working, case_and_engine[1])
     lost = lost_harmonics(engine, speed)[list(places)] * 1e-3
     (group,) = block.groups
-    rows = tuple((*row, NumberText(float(one))) for row, one in zip(group.rows, lost, strict=True))
+    rows = tuple((*row, NumberText(float(lost_torque))) for row, lost_torque in zip(group.rows, lost, strict=True))
     note = phrase(in_words_of([engine], LOST_NOTE))
     return replace(
         block,
@@ -194,16 +197,16 @@ def with_sums_out(subject: ReportData, name: str, sums: VectorSums, block: Table
 
     Where each cylinder is out in turn, the largest sum of all of them. The cylinder that is out counts as nothing.
     """
-    found = engine_out(subject, name)
-    if found is None:
+    case_and_engine = engine_out(subject, name)
+    if case_and_engine is None:
         return block
-    case, engine = found
+    case, engine = case_and_engine
     out = _out(engine)
-    cases = [(one,) for one in out] if engine.misfire == EACH else [tuple(out)]
+    cases = [(cylinder,) for cylinder in out] if engine.misfire == EACH else [tuple(out)]
     each = [vector_sums(case.drivetrain, name, modes=sums.modes, without=numbers) for numbers in cases]
     (group,) = block.groups
     rows = tuple(
-        (row[0], *(NumberText(max(one.of(mode, orders[0]) for one in each), 4, 4) for mode in sums.modes))
+        (row[0], *(NumberText(max(sums_out.of(mode, orders[0]) for sums_out in each), 4, 4) for mode in sums.modes))
         for row, orders in zip(group.rows, sums.groups(), strict=True)
     )
     numbers = ", ".join(map(str, out))
@@ -219,15 +222,15 @@ def with_sums_out(subject: ReportData, name: str, sums: VectorSums, block: Table
 
 def pressure_notes(subject: ReportData, name: str, working: ReciprocatingEngine, speed: float) -> list[str]:
     """Note on the mean indicated pressure of a cylinder that is out, and the engine's torque, at a speed in rad/s."""
-    found = engine_out(subject, name)
-    if found is None:
+    case_and_engine = engine_out(subject, name)
+    if case_and_engine is None:
         return []
-    engine = _out_as_in(working, found[1])
-    one = _out(engine)[0]
-    alone = replace(engine, misfire=(one,)) if engine.misfire == EACH else engine
+    engine = _out_as_in(working, case_and_engine[1])
+    cylinder = _out(engine)[0]
+    alone = replace(engine, misfire=(cylinder,)) if engine.misfire == EACH else engine
     at = np.array([speed])
     whole = np.mean([*engine.mean_torque_shares(at).values()])
-    share = alone.mean_torque_shares(at)[one][0]
+    share = alone.mean_torque_shares(at)[cylinder][0]
     return [phrase(in_words_of([engine], OUT_NOTE), share=round(100 * float(share), 1) + 0.0, whole=100 * whole)]
 
 
@@ -254,52 +257,52 @@ def engine_blocks(subject: ReportData, case: Case, name: str, engine: Reciprocat
     speed, own = shaft_speeds(case.drivetrain, name)
     blocks: list[Block] = [Paragraph((_firing(name, engine),))]
     blocks += _pressures(subject, case, name, engine, own / speed)
-    found = cylinder_harmonics(engine, own)
-    largest = sorted(found, key=lambda one: -one.torque)[:MOST_ORDERS]
-    kept = tuple(one for one in found if one in largest)
+    harmonics = cylinder_harmonics(engine, own)
+    largest = sorted(harmonics, key=lambda harmonic: -harmonic.torque)[:MOST_ORDERS]
+    kept = tuple(harmonic for harmonic in harmonics if harmonic in largest)
     caption = phrase(
         "{name}: tangential pressure of one cylinder by order at {speed:.5g} rpm", name=_name(name), speed=own * RPM
     )
     notes = ["Over piston area and crank radius, peak values; phase of the cosine from (firing) top dead centre on."]
-    if len(kept) < len(found):
+    if len(kept) < len(harmonics):
         notes.append(
             phrase(
                 "{count} further orders have less than {torque:.3g} kN·m.",
-                count=len(found) - len(kept),
+                count=len(harmonics) - len(kept),
                 torque=1e-3 * _least(kept),
             )
         )
-    made = result_table("", [_shown(one) for one in kept], CylinderHarmonic, notes=notes)
-    places = [number for number, one in enumerate(found) if one in largest]
+    made = result_table("", [_shown(harmonic) for harmonic in kept], CylinderHarmonic, notes=notes)
+    places = [number for number, harmonic in enumerate(harmonics) if harmonic in largest]
     shown = with_lost_torque(subject, name, engine, own, results_table(made, caption), places)
-    blocks.append(with_decimals(shown, {**DECIMALS, **_torque_decimals(found)}))
+    blocks.append(with_decimals(shown, {**DECIMALS, **_torque_decimals(harmonics)}))
     return [*blocks, *_vectors(subject, case, name)]
 
 
-def _torque_decimals(found: Sequence[CylinderHarmonic]) -> dict[str, int]:
+def _torque_decimals(harmonics: Sequence[CylinderHarmonic]) -> dict[str, int]:
     """Decimals of torques in kN m that leave the largest one four digits, by the unit of their column."""
-    largest = 1e-3 * max(one.torque for one in found)
+    largest = 1e-3 * max(harmonic.torque for harmonic in harmonics)
     return {unit("kN*m"): max(1, 3 - math.floor(math.log10(largest))) if largest else 1}
 
 
 def _least(kept: Sequence[CylinderHarmonic]) -> float:
     """Smallest torque amplitude in N m among the orders of a table."""
-    return min(one.torque for one in kept)
+    return min(harmonic.torque for harmonic in kept)
 
 
-def _shown(one: CylinderHarmonic) -> CylinderHarmonic:
-    return replace(one, phase=math.degrees(one.phase))
+def _shown(harmonic: CylinderHarmonic) -> CylinderHarmonic:
+    return replace(harmonic, phase=math.degrees(harmonic.phase))
 
 
 def _firing(name: str, engine: ReciprocatingEngine) -> str:
     intervals = firing_intervals(engine)
-    degrees = [math.degrees(one) for one in intervals.values()]
+    degrees = [math.degrees(angle) for angle in intervals.values()]
     order = "–".join(map(str, intervals))
     even = max(intervals.values()) - min(intervals.values()) < EVEN_INTERVAL
     each = (
         phrase("every {angle:.4g}°", angle=degrees[0])
         if even
-        else phrase("at intervals of {angles}°", angles=", ".join(f"{one:.4g}" for one in degrees))
+        else phrase("at intervals of {angles}°", angles=", ".join(f"{angle:.4g}" for angle in degrees))
     )
     what = phrase("Top dead centres" if engine.absorbs else "Firing order")
     sizes = phrase("bore {bore:.4g} mm, stroke {stroke:.4g} mm", bore=1e3 * engine.bore, stroke=1e3 * engine.stroke)
@@ -329,16 +332,18 @@ def _pressures(subject: ReportData, case: Case, name: str, engine: Reciprocating
     if full is None:
         return []
     half = None if engine.absorbs else _speed_of_half_load(engine, np.linspace(low, rated, GRID) * ratio, full)
-    wanted = sorted([*(one * ratio for one in shown), *([half] if half else [])])
-    chosen = [one for one, before in zip(wanted, [0.0, *wanted], strict=False) if not math.isclose(one, before)]
-    found = [*indicated_pressures(engine, np.array(chosen))]
+    wanted = sorted([*(speed * ratio for speed in shown), *([half] if half else [])])
+    chosen = [speed for speed, before in zip(wanted, [0.0, *wanted], strict=False) if not math.isclose(speed, before)]
+    pressures = [*indicated_pressures(engine, np.array(chosen))]
     what = "mean indicated pressure over speed"
-    if max(one.pressure for one in found) - min(one.pressure for one in found) <= EQUAL_PRESSURES * abs(full.pressure):
-        found, what = [full], "mean indicated pressure, the same at all speeds"
+    if max(pressure.pressure for pressure in pressures) - min(
+        pressure.pressure for pressure in pressures
+    ) <= EQUAL_PRESSURES * abs(full.pressure):
+        pressures, what = [full], "mean indicated pressure, the same at all speeds"
         if not engine.absorbs:  # half the work of a cycle at rated speed, as a generating set has it
-            found.insert(0, replace(full, pressure=full.pressure / 2, torque=full.torque / 2))
+            pressures.insert(0, replace(full, pressure=full.pressure / 2, torque=full.torque / 2))
     notes = [*pressure_notes(subject, name, engine, full.speed), *([] if engine.absorbs else [LOADS])]
-    made = result_table("", found, IndicatedPressure, notes=notes)
+    made = result_table("", pressures, IndicatedPressure, notes=notes)
     caption = phrase(
         in_words_of([engine], "{name}: {pressures}, all cylinders working"), name=_name(name), pressures=phrase(what)
     )
@@ -347,7 +352,8 @@ def _pressures(subject: ReportData, case: Case, name: str, engine: Reciprocating
         return [block]
     (group,) = block.groups
     rows = tuple(
-        (*row, NumberText(100 * one.power / full.power, 3, 1)) for row, one in zip(group.rows, found, strict=True)
+        (*row, NumberText(100 * pressure.power / full.power, 3, 1))
+        for row, pressure in zip(group.rows, pressures, strict=True)
     )
     columns = (*block.columns, Heading("Load", "%", numeric=True))
     return [replace(block, columns=columns, groups=(replace(group, rows=rows),))]
@@ -358,7 +364,7 @@ def _speed_of_half_load(engine: ReciprocatingEngine, speeds: FloatArray, full: I
 
     None as well where the pressure does not follow the speed: there half the load is half the pressure.
     """
-    powers = np.array([one.power for one in indicated_pressures(engine, speeds)])
+    powers = np.array([pressure.power for pressure in indicated_pressures(engine, speeds)])
     pressures = powers / speeds
     if np.ptp(pressures) <= EQUAL_PRESSURES * abs(pressures).max() or powers[0] > full.power / 2:
         return None
@@ -409,15 +415,15 @@ def state_table(subject: ReportData) -> TableBlock | None:
 
     None where there are none.
     """
-    found: dict[tuple[str, str, str], list[str]] = {}
+    conditions_by_state: dict[tuple[str, str, str], list[str]] = {}
     for case in subject.judged_cases:
-        for name, one in case.drivetrain.definition.excitations.items():
-            states = [("all", "does not act")] if not one.enabled else []
-            if isinstance(one, ReciprocatingEngine) and one.enabled:
-                states += _states(one)
+        for name, excitation in case.drivetrain.definition.excitations.items():
+            states = [("all", "does not act")] if not excitation.enabled else []
+            if isinstance(excitation, ReciprocatingEngine) and excitation.enabled:
+                states += _states(excitation)
             for cylinders, state in states:
-                found.setdefault((as_words(name), cylinders, state), []).append(case.configuration)
-    if not found:
+                conditions_by_state.setdefault((as_words(name), cylinders, state), []).append(case.configuration)
+    if not conditions_by_state:
         return None
     columns = (
         Heading("Configuration"),
@@ -426,7 +432,8 @@ def state_table(subject: ReportData) -> TableBlock | None:
         Heading("Gas pressure", wide=True),
     )
     rows: list[tuple[Cell, ...]] = [
-        (subject.titles.several(names, subject.model.configurations) or "all", *state) for state, names in found.items()
+        (subject.titles.several(names, subject.model.configurations) or "all", *state)
+        for state, names in conditions_by_state.items()
     ]
     excitations = subject.model.definition.excitations.values()
     return table(in_words_of(excitations, "Misfire and other states of the excitations"), columns, rows)

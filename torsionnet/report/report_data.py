@@ -138,8 +138,8 @@ class ReportData:
 
     def _modes(self, case: Case, measured: str | None, excitation: str | None = None) -> Modes:
         lowest = MOST_MODES if self.is_large and measured is None else None
-        found = case.drivetrain.modes(measured_input=measured, driven_by=excitation, lowest=lowest)
-        return found.first(MOST_MODES) if len(found) > MOST_MODES else found
+        modes = case.drivetrain.modes(measured_input=measured, driven_by=excitation, lowest=lowest)
+        return modes.first(MOST_MODES) if len(modes) > MOST_MODES else modes
 
     def cut_modes(self, pair: Pair) -> tuple[Modes, ...] | None:
         """Poles of a transfer function over a measured input, of every configuration of the report.
@@ -157,19 +157,19 @@ class ReportData:
 
         Cases with the same equations are put together.
         """
-        found: list[tuple[list[Case], SymbolicSystem]] = []
+        systems: list[tuple[list[Case], SymbolicSystem]] = []
         for case in self.cases:
-            alike = next((cases for cases, _ in found if _same_structure(case.drivetrain, cases[0].drivetrain)), None)
+            alike = next((cases for cases, _ in systems if _same_structure(case.drivetrain, cases[0].drivetrain)), None)
             if alike is not None:
                 alike.append(case)
                 continue
             system = case.drivetrain.symbolic()
-            alike = next((cases for cases, other in found if _alike(system, other)), None)
+            alike = next((cases for cases, other in systems if _alike(system, other)), None)
             if alike is None:
-                found.append(([case], system))
+                systems.append(([case], system))
             else:
                 alike.append(case)
-        return tuple(SymbolicEquations(tuple(cases), system) for cases, system in found)
+        return tuple(SymbolicEquations(tuple(cases), system) for cases, system in systems)
 
     @cached_property
     def pairs(self) -> tuple[Pair, ...]:
@@ -290,7 +290,7 @@ class ReportData:
         if self.limit_conclusion is None:
             return None
         normal = self.normal_case.drivetrain.configuration
-        check = next(one for one in self.limit_conclusion.checks if one.configuration == normal)
+        check = next(judged for judged in self.limit_conclusion.checks if judged.configuration == normal)
         from torsionnet.machinery.verdicts.order_peaks import SMALL_SHARE, order_shares
 
         shares = zip(check.lines, order_shares(check).tolist(), strict=True)
@@ -304,7 +304,7 @@ class ReportData:
         if self.normal_peaks is None or self.limit_conclusion is None:
             return ()
         normal = self.normal_peaks.check
-        checks = [normal, *(one for one in self.limit_conclusion.checks if one is not normal)]
+        checks = [normal, *(check for check in self.limit_conclusion.checks if check is not normal)]
         wanted = differing_lines(checks)
         return tuple(self._peaks(checks[place], lines, refine=False) for place, lines in wanted.items())
 
@@ -312,7 +312,7 @@ class ReportData:
     def critical_records(self) -> tuple[CriticalRecord, ...]:
         """Critical speeds of the normal condition and of further ones, as far as they matter there."""
         normal = () if self.normal_peaks is None else self.normal_peaks.criticals
-        return (*normal, *(one for peaks in self.further_peaks for one in peaks.criticals))
+        return (*normal, *(record for peaks in self.further_peaks for record in peaks.criticals))
 
     def _peaks(self, check: LimitCheck, lines: Sequence[str], *, refine: bool) -> ConditionPeaks:
         from torsionnet.machinery.criticals.critical_speed_search import excited_lines
@@ -324,8 +324,8 @@ class ReportData:
             # Orders that the motion makes itself meet no mode: there only those that excite count.
             excited = excited_lines(drivetrain, None, None, None)[0].values()
             lines = [str(line) for group in excited for line in group]
-        found = drivetrain.critical_speeds(lines=lines)
-        return condition_peaks(drivetrain, check, found, speeds.rated if speeds else None, refine=refine)
+        criticals = drivetrain.critical_speeds(lines=lines)
+        return condition_peaks(drivetrain, check, criticals, speeds.rated if speeds else None, refine=refine)
 
     @cached_property
     def free_end_response(self) -> OrderResponse:
@@ -386,8 +386,8 @@ class ReportData:
     def excited_modes(self) -> tuple[int, ...]:
         """Numbers of the first drivetrain's modes below the highest excitation frequency; at least the lowest one."""
         rows, line = self.natural_frequencies[0], self.highest_line
-        found = tuple(one.mode for one in rows if line and one.lowest <= line[1])
-        return found or tuple(one.mode for one in rows[:1])
+        modes = tuple(row.mode for row in rows if line and row.lowest <= line[1])
+        return modes or tuple(row.mode for row in rows[:1])
 
     @cached_property
     def highest_line(self) -> tuple[OrderLine, float] | None:
@@ -397,12 +397,14 @@ class ReportData:
         """
         from torsionnet.machinery.criticals.critical_speed_search import excited_frequencies, excited_lines
 
-        found = []
+        lines_with_frequency = []
         for case in self.turning.cases:
-            if any(one.enabled for one in case.drivetrain.definition.excitations.values()):
+            if any(excitation.enabled for excitation in case.drivetrain.definition.excitations.values()):
                 lines, _, speeds = excited_lines(case.drivetrain, None, None, None)
-                found += [(line, excited_frequencies(line, speeds)[1]) for group in lines.values() for line in group]
-        return max(found, key=lambda one: one[1], default=None)
+                lines_with_frequency += [
+                    (line, excited_frequencies(line, speeds)[1]) for group in lines.values() for line in group
+                ]
+        return max(lines_with_frequency, key=lambda pair: pair[1], default=None)
 
     @cached_property
     def band(self) -> tuple[float, float]:
@@ -466,21 +468,23 @@ def titles_of(cases: Sequence[Case]) -> str:
 
 def _by_drivetrain(cases: Sequence[Case]) -> tuple[tuple[Case, ...], ...]:
     """Configurations in groups of equal drivetrains."""
-    found: list[list[Case]] = []
+    groups: list[list[Case]] = []
     for case in cases:
-        alike = next((group for group in found if _vibrate_alike(case.drivetrain, group[0].drivetrain)), None)
+        alike = next((group for group in groups if _vibrate_alike(case.drivetrain, group[0].drivetrain)), None)
         if alike is None:
-            found.append([case])
+            groups.append([case])
         else:
             alike.append(case)
-    return tuple(map(tuple, found))
+    return tuple(map(tuple, groups))
 
 
 def held_drivetrain(case: Case) -> AssembledModel:
     """Drivetrain of a configuration in which nodes with an imposed motion are held, as vibrations are counted in it."""
     from torsionnet.machinery.orders.order_solution import with_motions_held
 
-    acting = {name: one for name, one in case.drivetrain.definition.excitations.items() if one.enabled}
+    acting = {
+        name: excitation for name, excitation in case.drivetrain.definition.excitations.items() if excitation.enabled
+    }
     return with_motions_held(case.drivetrain, acting)
 
 
@@ -508,16 +512,17 @@ def _same_structure(rig: Drivetrain, other: Drivetrain) -> bool:
     if rig.definition.active != other.definition.active or _derived(rig) != _derived(other):
         return False
     pairs = ((rig.assembly.T, other.assembly.T), (rig.assembly.system.rows, other.assembly.system.rows))
-    return all(np.array_equal(one != 0, two != 0) for one, two in pairs)
+    return all(np.array_equal(mine != 0, theirs != 0) for mine, theirs in pairs)
 
 
 def _vibrate_alike(rig: Drivetrain, other: Drivetrain) -> bool:
     """Whether two configurations have the same laws and ratios, so that they differ in excitations alone."""
-    one, two = rig.assembly, other.assembly
-    if (one.nodes, one.laws, one.exact_rows) != (two.nodes, two.laws, two.exact_rows):
+    mine, theirs = rig.assembly, other.assembly
+    if (mine.nodes, mine.laws, mine.exact_rows) != (theirs.nodes, theirs.laws, theirs.exact_rows):
         return False
     return (
-        one.node_rows.maps == two.node_rows.maps and rig.definition.operating_point == other.definition.operating_point
+        mine.node_rows.maps == theirs.node_rows.maps
+        and rig.definition.operating_point == other.definition.operating_point
     )
 
 
@@ -570,8 +575,8 @@ def cases_of(model: Drivetrain, names: tuple[str, ...], kind: str | None = None,
     chosen = names or ordered_configurations(model, kind, normal)[:MOST_CASES]
     if not chosen:
         return (Case("", model),)
-    found = [model.configured(name) for name in chosen]
-    cases = {rig.configuration: Case(rig.configuration, rig) for rig in found}
+    rigs = [model.configured(name) for name in chosen]
+    cases = {rig.configuration: Case(rig.configuration, rig) for rig in rigs}
     return tuple(cases.values())
 
 
@@ -588,10 +593,10 @@ def require_answers(subject: ReportData) -> None:
     UsageError
         With all of them.
     """
-    found = {}
+    refusals_by_pair = {}
     for pair in subject.pairs:
         refusals = [refusal for case in subject.cases if (refusal := subject.why_left_out(case, pair)) is not None]
         if refusals and len(refusals) == len(subject.cases):
-            found[f"{pair}: {refusals[0]}"] = refusals[0].kind
-    if found:
-        raise UsageError("\n".join(found), kind=next(iter(found.values())))
+            refusals_by_pair[f"{pair}: {refusals[0]}"] = refusals[0].kind
+    if refusals_by_pair:
+        raise UsageError("\n".join(refusals_by_pair), kind=next(iter(refusals_by_pair.values())))

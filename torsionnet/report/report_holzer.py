@@ -38,29 +38,29 @@ def holzer_block(holzer: HolzerTable, stress_unit: str = "MPa") -> TableBlock:
     Branches that stand still are left out; ``stress_unit`` is the name of 10^6 Pa in the heading. Numbers have the
     digits with which each row closes when it is calculated again from what is printed.
     """
-    found = _without_rounding(holzer.whole_shafts())
-    moving = [branch for branch in found.branches if any(one.amplitude for one in branch.stations)]
-    found = replace(found, branches=tuple(moving) or found.branches)
-    made = _short(found.table(referred=True))  # the number of the branch in front, for stations that look alike
-    columns = tuple(replace(one, unit=stress_unit) if one.unit == "MPa" else one for one in made.columns)
-    node = found.branches[0].stations[0].node
+    shown_table = _without_rounding(holzer.whole_shafts())
+    moving = [branch for branch in shown_table.branches if any(column.amplitude for column in branch.stations)]
+    shown_table = replace(shown_table, branches=tuple(moving) or shown_table.branches)
+    made = _short(shown_table.table(referred=True))  # the number of the branch in front, for stations that look alike
+    columns = tuple(replace(column, unit=stress_unit) if column.unit == "MPa" else column for column in made.columns)
+    node = shown_table.branches[0].stations[0].node
     caption = phrase(
         "Holzer table of mode {number}, {frequency:.5g} Hz, ω² = {square:.7g} 1/s²; 1 rad at {first}, referred to "
         "{node}",
-        number=found.mode,
-        frequency=found.frequency,
-        square=(2 * math.pi * found.frequency) ** 2,
-        first=phrase("the mass that moves most") if found.first_rests else as_words(node),
-        node=as_words(found.referred_to),
+        number=shown_table.mode,
+        frequency=shown_table.frequency,
+        square=(2 * math.pi * shown_table.frequency) ** 2,
+        first=phrase("the mass that moves most") if shown_table.first_rests else as_words(node),
+        node=as_words(shown_table.referred_to),
     )
-    explained = DISTRIBUTED_NOTE if found.has_distributed else CLOSING_NOTE
-    made = replace(made, columns=columns, notes=(explained, *found.notes))
+    explained = DISTRIBUTED_NOTE if shown_table.has_distributed else CLOSING_NOTE
+    made = replace(made, columns=columns, notes=(explained, *shown_table.notes))
     block = _with_closing_digits(results_table(made, caption))
     cells = iter(row[1:] for row in block.groups[0].rows)
-    several = len(found.branches) > 1
+    several = len(shown_table.branches) > 1
     groups = [
-        TableGroup(tuple(islice(cells, len(one.stations))), as_words(one.title) if several else "")
-        for one in found.branches
+        TableGroup(tuple(islice(cells, len(column.stations))), as_words(column.title) if several else "")
+        for column in shown_table.branches
     ]
     return replace(block, columns=block.columns[1:], groups=tuple(groups))
 
@@ -70,7 +70,7 @@ def _with_closing_digits(block: TableBlock) -> TableBlock:
     (group,) = block.groups
     # A twist is small beside the angles, but k times the twist is the torque: it has digits of its own.
     places = {
-        unit: [at for at, one in enumerate(block.columns) if one.unit == unit and one.text != "Twist"]
+        unit: [at for at, column in enumerate(block.columns) if column.unit == unit and column.text != "Twist"]
         for unit in ANGLES_AND_TORQUES
     }
     decimals: dict[int, int] = {}
@@ -91,19 +91,19 @@ def _with_closing_digits(block: TableBlock) -> TableBlock:
 
 def _without_rounding(holzer: HolzerTable) -> HolzerTable:
     """Copy of a Holzer table in which masses that only rounding moves stand still."""
-    stations = [one for branch in holzer.branches for one in branch.stations]
-    least = ROUNDED_AMPLITUDE * max(abs(one.amplitude) for one in stations)
-    torque = NEGLIGIBLE_TORQUE * max(abs(one.torque) for one in stations)
+    stations = [station for branch in holzer.branches for station in branch.stations]
+    least = ROUNDED_AMPLITUDE * max(abs(station.amplitude) for station in stations)
+    torque = NEGLIGIBLE_TORQUE * max(abs(station.torque) for station in stations)
 
-    def cleaned(one: HolzerStation) -> HolzerStation:
-        link = one.link
-        if link is not None and abs(one.torque) <= torque:
+    def cleaned(station: HolzerStation) -> HolzerStation:
+        link = station.link
+        if link is not None and abs(station.torque) <= torque:
             link = replace(link, twist=0.0, stress=link.stress if math.isnan(link.stress) else 0.0)
-        joined, distributed = (part if abs(part) > torque else 0.0 for part in (one.joined, one.distributed))
-        moves = abs(one.amplitude) > least
-        amplitude, inertia_torque = (one.amplitude, one.inertia_torque) if moves else (0.0, 0.0)
+        joined, distributed = (part if abs(part) > torque else 0.0 for part in (station.joined, station.distributed))
+        moves = abs(station.amplitude) > least
+        amplitude, inertia_torque = (station.amplitude, station.inertia_torque) if moves else (0.0, 0.0)
         return replace(
-            one,
+            station,
             link=link,
             joined=joined,
             distributed=distributed,
@@ -111,12 +111,12 @@ def _without_rounding(holzer: HolzerTable) -> HolzerTable:
             inertia_torque=inertia_torque,
         )
 
-    branches = tuple(replace(one, stations=tuple(map(cleaned, one.stations))) for one in holzer.branches)
+    branches = tuple(replace(station, stations=tuple(map(cleaned, station.stations))) for station in holzer.branches)
     return replace(holzer, branches=branches)
 
 
 def _short(branch: Table) -> Table:
     """Table of Holzer stations without values at a shaft's own speed, under short headings."""
-    kept = branch.chosen([index for index, one in enumerate(branch.columns) if one.name not in REAL_COLUMNS])
-    names = tuple(replace(one, name=SHORT_HEADINGS.get(one.name, one.name)) for one in kept.columns)
+    kept = branch.chosen([index for index, column in enumerate(branch.columns) if column.name not in REAL_COLUMNS])
+    names = tuple(replace(column, name=SHORT_HEADINGS.get(column.name, column.name)) for column in kept.columns)
     return replace(kept, columns=names)

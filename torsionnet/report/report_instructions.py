@@ -38,35 +38,35 @@ TOO_NEAR = "Separation margins are not kept, as the verdict says: no instruction
 """Note on natural frequencies that are too near to an excitation at speeds that no instruction bars."""
 
 
-def instruction_blocks(subject: ReportData, found: LimitConclusion, *, apart: bool = True) -> list[Block]:
+def instruction_blocks(subject: ReportData, judged: LimitConclusion, *, apart: bool = True) -> list[Block]:
     """Blocks of a report with the operating instructions; where nothing is restricted, a sentence that says so.
 
     ``apart`` tells whether separation margins are kept.
     """
-    rows = operating_instructions(found.checks, subject.titles.of)
-    known = [check.configuration for check in found.checks]
-    last = last_notes(found.checks, lambda names: subject.titles.several(names, known))
+    rows = operating_instructions(judged.checks, subject.titles.of)
+    known = [check.configuration for check in judged.checks]
+    last = last_notes(judged.checks, lambda names: subject.titles.several(names, known))
     last += [] if apart else [phrase(TOO_NEAR)]
     if not rows:
         said = (text for note in last for text in (" ", note))
         return [Paragraph((Strong("Operating instructions:"), *said))]
     groups = [
-        TableGroup(tuple(_row(one, subject) for one in those), capital(title) if len(found.checks) > 1 else "")
-        for title, those in groupby(rows, key=lambda one: one.condition)
+        TableGroup(tuple(_row(advice, subject) for advice in those), capital(title) if len(judged.checks) > 1 else "")
+        for title, those in groupby(rows, key=lambda advice: advice.condition)
     ]
     notes = [_tachometer(rows), VALUES, *last]
     return [TableBlock(("Operating instructions",), COLUMNS, tuple(groups), tuple((note,) for note in notes))]
 
 
-def _row(one: Instruction, subject: ReportData) -> tuple[Cell, ...]:
-    scale, shown = limit_scale(one.unit, subject.conventions)
-    sizes = (one.value, one.allowed, one.allowed_in_passing)
+def _row(advice: Instruction, subject: ReportData) -> tuple[Cell, ...]:
+    scale, shown = limit_scale(advice.unit, subject.conventions)
+    sizes = (advice.value, advice.allowed, advice.allowed_in_passing)
     return (
-        "" if one.from_rpm is None else str(one.from_rpm),
-        "–" if one.to_rpm is None else str(one.to_rpm),
-        one.instruction,
-        joined("; ", map(as_words, one.limits)),
-        NumberText(one.rpm, DIGITS),
+        "" if advice.from_rpm is None else str(advice.from_rpm),
+        "–" if advice.to_rpm is None else str(advice.to_rpm),
+        advice.instruction,
+        joined("; ", map(as_words, advice.limits)),
+        NumberText(advice.rpm, DIGITS),
         *("–" if math.isnan(size) else NumberText(size * scale, DIGITS) for size in sizes),
         unit(shown),
     )
@@ -75,7 +75,7 @@ def _row(one: Instruction, subject: ReportData) -> tuple[Cell, ...]:
 def _tachometer(rows: Sequence[Instruction]) -> str:
     """Sentence on the shaft whose speed is meant, and on the error of its tachometer that the ranges include."""
     speeds = phrase("Speeds are those of {shaft}, rounded outward to 1 rpm", shaft=as_words(rows[0].shaft))
-    tolerance = max(one.tolerance for one in rows)
+    tolerance = max(advice.tolerance for advice in rows)
     if not tolerance:
         return joined("", (speeds, "."))
     error = phrase("; ranges are wider by {error:g} % for the tachometer.", error=100 * tolerance)

@@ -69,8 +69,12 @@ LABELS = {
 def machines(model: Drivetrain) -> Iterator[tuple[str, Text, str]]:
     """Yield the machines of a drivetrain, prime movers first: what each is, its data, and where these come from."""
     limits = model.definition.limits.values()
-    couplings = {getattr(one, "element", "") for one in limits if one.kind == COUPLING_RULE}
-    elements = [one for one in model.definition.elements.values() if one.kind in MACHINES or one.name in couplings]
+    couplings = {getattr(limit, "element", "") for limit in limits if limit.kind == COUPLING_RULE}
+    elements = [
+        element
+        for element in model.definition.elements.values()
+        if element.kind in MACHINES or element.name in couplings
+    ]
     for name, excitation in model.definition.excitations.items():
         words = {"electric_machine": "Electric machine"}.get(excitation.kind, "")
         if excitation.kind == ENGINE:
@@ -78,7 +82,7 @@ def machines(model: Drivetrain) -> Iterator[tuple[str, Text, str]]:
         if words:
             yield _titled(words, name), _joined(_of_excitation(model, excitation)), ""
     order = [*MACHINES, ""]
-    for element in sorted(elements, key=lambda one: order.index(one.kind if one.kind in MACHINES else "")):
+    for element in sorted(elements, key=lambda element: order.index(element.kind if element.kind in MACHINES else "")):
         head = _titled(MACHINES.get(element.kind, "Coupling"), element.name)
         head += "" if element.enabled else " (switched off unless a condition switches it on)"
         yield head, _joined(_of_element(model, element)), _source(model, element)
@@ -89,9 +93,14 @@ def _loads(model: Drivetrain) -> Iterator[tuple[str, Text, str]]:
     """Yield rotors that the load drives or brakes where no machine of the list is, as that of a generator."""
     load = model.definition.load
     places = {*load.by_place, *load.driven_by} if load else set()
-    covered = {node for one in model.definition.elements.values() if one.kind in ROTORS for node in one.ports.values()}
-    machines_there = [one for one in model.definition.excitations.values() if one.kind in (ENGINE, *ROTORS)]
-    covered = covered.union(*(one.nodes for one in machines_there))
+    covered = {
+        node
+        for element in model.definition.elements.values()
+        if element.kind in ROTORS
+        for node in element.ports.values()
+    }
+    machines_there = [machine for machine in model.definition.excitations.values() if machine.kind in (ENGINE, *ROTORS)]
+    covered = covered.union(*(machine.nodes for machine in machines_there))
     for element in model.definition.elements.values():
         node = getattr(element, "node", None)
         if element.kind == "inertia" and node in places - covered:
@@ -105,36 +114,36 @@ def _titled(words: str, name: str) -> str:
 
 def _joined(parts: Iterator[tuple[Inline, str]]) -> Text:
     """Text of labels and values one after the other, separated by semicolons."""
-    found: list[Inline] = []
+    inlines: list[Inline] = []
     for label, value in parts:
-        found += ["; "] * bool(found) + ([label, " ", value] if value else [label])
-    text = tuple(found)
+        inlines += ["; "] * bool(inlines) + ([label, " ", value] if value else [label])
+    text = tuple(inlines)
     return (capital(text[0]), *text[1:]) if text and isinstance(text[0], str) else text
 
 
-def _of_excitation(model: Drivetrain, one: Any) -> Iterator[tuple[Inline, str]]:
+def _of_excitation(model: Drivetrain, machine: Any) -> Iterator[tuple[Inline, str]]:
     """Labels and values of an engine, compressor or electric machine by its excitation."""
-    if one.kind == ENGINE:
-        yield phrase("{count} cylinders", count=len(one.cylinders)), ""
-        if not one.absorbs:
-            yield "four-stroke" if one.cycle == 4 else "two-stroke", ""
-        if one.firing_order:
-            yield "firing order", "-".join(map(str, one.firing_order))
-        yield "bore", quantity_text(one.bore, "length")
-        yield "stroke", quantity_text(one.stroke, "length")
-        yield "rod", quantity_text(one.rod_length, "length")
-        yield "reciprocating mass of one cylinder", quantity_text(one.reciprocating_mass, "mass")
-    if getattr(one, "pole_pairs", None):
-        yield "poles", str(2 * one.pole_pairs)
-    if getattr(one, "rated_torque", None):
-        yield "rated torque", quantity_text(one.rated_torque, "torque")
-    yield from _rating(model, one)
+    if machine.kind == ENGINE:
+        yield phrase("{count} cylinders", count=len(machine.cylinders)), ""
+        if not machine.absorbs:
+            yield "four-stroke" if machine.cycle == 4 else "two-stroke", ""
+        if machine.firing_order:
+            yield "firing order", "-".join(map(str, machine.firing_order))
+        yield "bore", quantity_text(machine.bore, "length")
+        yield "stroke", quantity_text(machine.stroke, "length")
+        yield "rod", quantity_text(machine.rod_length, "length")
+        yield "reciprocating mass of one cylinder", quantity_text(machine.reciprocating_mass, "mass")
+    if getattr(machine, "pole_pairs", None):
+        yield "poles", str(2 * machine.pole_pairs)
+    if getattr(machine, "rated_torque", None):
+        yield "rated torque", quantity_text(machine.rated_torque, "torque")
+    yield from _rating(model, machine)
 
 
-def _rating(model: Drivetrain, one: OrderExcitation) -> Iterator[tuple[Inline, str]]:
+def _rating(model: Drivetrain, machine: OrderExcitation) -> Iterator[tuple[Inline, str]]:
     """Label and value of the power that a machine states at the rated speed, where it states one."""
-    rating, external = one.rating, model.external_torques
-    ratio = external.ratios.get(one.shaft)
+    rating, external = machine.rating, model.external_torques
+    ratio = external.ratios.get(machine.shaft)
     if rating is None or not ratio or not external.rated_speed:
         return
     speed = abs(ratio) * external.rated_speed
@@ -146,12 +155,15 @@ def _rating(model: Drivetrain, one: OrderExcitation) -> Iterator[tuple[Inline, s
 def _of_element(model: Drivetrain, element: Element) -> Iterator[tuple[Inline, str]]:
     """Labels and values of an element with the limits on it, and of a propeller's excitation."""
     node = getattr(element, "node", None)
-    for one in model.definition.excitations.values():
-        if isinstance(one, PropellerTorque) and element.kind == one.kind and one.shaft == node:
-            yield phrase("{count} blades", count=one.blades), ""
-            yield phrase("{kind} pitch", kind=one.pitch), ""
-            torque, power = quantity_text(one.torque, "torque"), quantity_text(one.torque * one.rated, "power")
-            rated = quantity_text(one.rated, "speed")
+    for propeller in model.definition.excitations.values():
+        if isinstance(propeller, PropellerTorque) and element.kind == propeller.kind and propeller.shaft == node:
+            yield phrase("{count} blades", count=propeller.blades), ""
+            yield phrase("{kind} pitch", kind=propeller.pitch), ""
+            torque, power = (
+                quantity_text(propeller.torque, "torque"),
+                quantity_text(propeller.torque * propeller.rated, "power"),
+            )
+            rated = quantity_text(propeller.rated, "speed")
             yield "rated torque", phrase("{value} at {speed} ({power})", value=torque, speed=rated, power=power)
     defaults = element.defaults()
     for name, spec, value in given(element):
@@ -195,14 +207,21 @@ def _source(model: Drivetrain, element: Element) -> str:
     """Text of where the values of an element come from: its remark, its parameters', catalogue, and its limits'."""
     labels = {LABELS.get(name, as_words(name)) for name, _, _ in given(element)}
     names = {name for _, _, value, _ in element.expressions() for name in value.names if "." not in name}
-    known = {name: one for name, one in model.parameter_definitions.items() if name in names and one.by is None}
-    found = [element.description, *(one.description for one in known.values() if one.description not in labels)]
-    found += [f"catalogue {element.catalogue}"] if element.catalogue is not None else []
+    known = {
+        name: parameter
+        for name, parameter in model.parameter_definitions.items()
+        if name in names and parameter.by is None
+    }
+    texts = [
+        element.description,
+        *(parameter.description for parameter in known.values() if parameter.description not in labels),
+    ]
+    texts += [f"catalogue {element.catalogue}"] if element.catalogue is not None else []
     for limit in model.definition.limits.values():
         source = getattr(limit, "source", "")
         if getattr(limit, "element", None) == element.name and source != limit.defaults().get("source"):
-            found.append(source)
-    return "; ".join(dict.fromkeys(filter(None, found)))
+            texts.append(source)
+    return "; ".join(dict.fromkeys(filter(None, texts)))
 
 
 # Texts and tables of a report on several engines: unknown angles between them, and running on one of them.
@@ -216,7 +235,7 @@ def engine_remarks(subject: ReportData) -> list[Block]:
     runs = subject.order_responses if subject.order_outputs else ()
     notes = dict.fromkeys(note for run in runs for note in run.engine_notes)
     conditions = [(case.title, case.drivetrain.definition.excitations) for case in subject.cases]
-    found = [
+    remarks = [
         *(f"{note[0].upper()}{note[1:]}." for note in notes),
         *(
             phrase("Running on {engine} alone: examined in {names}.", engine=engine, names=", ".join(names))
@@ -225,19 +244,19 @@ def engine_remarks(subject: ReportData) -> list[Block]:
             for engine, names in conditions_running_alone(conditions).items()
         ),
     ]
-    return [Listing(tuple((as_words(one),) for one in found))] if found else []
+    return [Listing(tuple((as_words(remark),) for remark in remarks))] if remarks else []
 
 
 def engine_angle_tables(subject: ReportData, name: str) -> list[TableBlock]:
     """Tables of the largest and smallest half range of an output by the angles between engines."""
-    found = [
+    runs = [
         (case.title, run, run.output(name), run.half_range[:, run.output(name)])
         for case, run in zip(subject.cases, subject.order_responses, strict=True)
         if isinstance(run, WorstResponse) and run.angles
     ]
-    if not found:
+    if not runs:
         return []
-    channel = found[0][1].outputs[found[0][2]]
+    channel = runs[0][1].outputs[runs[0][2]]
     scale, shown = subject.conventions.scale(channel.unit), unit(subject.conventions.unit(channel.unit))
     columns = (
         Heading("Configuration"),
@@ -247,18 +266,18 @@ def engine_angle_tables(subject: ReportData, name: str) -> list[TableBlock]:
         Heading("Smallest half range", shown, numeric=True),
         Heading("Where it is smallest"),
     )
-    worst = [int(sizes.argmax()) for _, _, _, sizes in found]
-    least = [run.least_at(at, name) for (_, run, _, _), at in zip(found, worst, strict=True)]
+    worst = [int(sizes.argmax()) for _, _, _, sizes in runs]
+    least = [run.least_at(at, name) for (_, run, _, _), at in zip(runs, worst, strict=True)]
     cells: list[list[Cell]] = [
-        [configuration for configuration, _, _, _ in found],
-        list(aligned_numbers([float(run.rpm[at]) for (_, run, _, _), at in zip(found, worst, strict=True)])),
-        list(aligned_numbers([float(sizes[at]) * scale for (_, _, _, sizes), at in zip(found, worst, strict=True)])),
-        [_words(run.angles, at, place) for (_, run, place, _), at in zip(found, worst, strict=True)],
-        list(aligned_numbers([float(one.half_range[0, 0]) * scale for one in least])),
-        [_words(one.angles, 0, 0) for one in least],
+        [configuration for configuration, _, _, _ in runs],
+        list(aligned_numbers([float(run.rpm[at]) for (_, run, _, _), at in zip(runs, worst, strict=True)])),
+        list(aligned_numbers([float(sizes[at]) * scale for (_, _, _, sizes), at in zip(runs, worst, strict=True)])),
+        [_words(run.angles, at, place) for (_, run, place, _), at in zip(runs, worst, strict=True)],
+        list(aligned_numbers([float(smallest.half_range[0, 0]) * scale for smallest in least])),
+        [_words(smallest.angles, 0, 0) for smallest in least],
     ]
     return [table((symbol_or_words(name), ": by the angle between engines"), columns, list(zip(*cells, strict=True)))]
 
 
 def _words(angles: tuple[EngineAngle, ...], speed: int, output: int) -> str:
-    return as_words(", ".join(one.at(speed, output) for one in angles))
+    return as_words(", ".join(angle.at(speed, output) for angle in angles))

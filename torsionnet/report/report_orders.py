@@ -33,12 +33,12 @@ def propeller_block(case: Case, name: str, propeller: PropellerTorque) -> TableB
         Heading("Phase", "deg", numeric=True),
     )
     # The phase of the torque that the propeller takes is half a turn from that of the torque on the shaft.
-    taken = [math.degrees(math.remainder(one.phase - math.pi, 2 * math.pi)) for one in lines]
+    taken = [math.degrees(math.remainder(line.phase - math.pi, 2 * math.pi)) for line in lines]
     rows = zip(
-        [NumberText(one.order / propeller.blades) for one in lines],
-        [NumberText(one.order) for one in lines],
-        aligned_numbers([100 * one.share for one in lines], 3),
-        aligned_numbers([KILO * one.amplitude for one in lines], 4),
+        [NumberText(line.order / propeller.blades) for line in lines],
+        [NumberText(line.order) for line in lines],
+        aligned_numbers([100 * line.share for line in lines], 3),
+        aligned_numbers([KILO * line.amplitude for line in lines], 4),
         [NumberText(phase, 4, 1) for phase in taken],
         strict=True,
     )
@@ -81,12 +81,12 @@ def other_table(others: Sequence[tuple[Case, str]]) -> TableBlock:
     )
     rows: list[tuple[Cell, ...]] = []
     for case, name in others:
-        one = case.drivetrain.definition.excitations[name]
-        factor, shown = (KILO, unit("kN*m")) if one.quantity == "torque" else (math.degrees(1), "deg")
+        excitation = case.drivetrain.definition.excitations[name]
+        factor, shown = (KILO, unit("kN*m")) if excitation.quantity == "torque" else (math.degrees(1), "deg")
         rows += [
             (
                 as_words(name),
-                as_words(one.kind),
+                as_words(excitation.kind),
                 as_words(line.node),
                 NumberText(line.order, 6) if line.order else MISSING_TYPESET,
                 NumberText(line.fixed, 4) if line.fixed else "",

@@ -31,7 +31,7 @@ NOT_JUDGED = "Not judged: beside the value is what is allowed in continuous oper
 """Notes on the values in the table of starts."""
 
 
-def run_up_blocks(subject: ReportData, found: LimitConclusion) -> Iterator[Block]:
+def run_up_blocks(subject: ReportData, judged: LimitConclusion) -> Iterator[Block]:
     """Table of a report with the limits in passing over the speeds of each run-up; nothing where none is given.
 
     Each criterion has a row in the normal condition, or the first one with that run-up, and one in its worst condition
@@ -40,7 +40,7 @@ def run_up_blocks(subject: ReportData, found: LimitConclusion) -> Iterator[Block
     by_run_up: dict[tuple[float, ...], list[LimitCheck]] = {}
     # The normal condition first, with which the others are compared.
     normal = subject.normal_case.configuration
-    for check in sorted(found.checks, key=lambda one: one.configuration != normal):
+    for check in sorted(judged.checks, key=lambda each: each.configuration != normal):
         if check.run_up:
             by_run_up.setdefault((*check.run_up.rpm, check.run_up.load, check.run_up.rate or 0.0), []).append(check)
     for checks in by_run_up.values():
@@ -49,22 +49,22 @@ def run_up_blocks(subject: ReportData, found: LimitConclusion) -> Iterator[Block
 
 def _table(subject: ReportData, checks: list[LimitCheck]) -> Block:
     rows = list(_rows(checks))
-    scaled = [_in_units(subject, one) for _, one in rows]
+    scaled = [_in_units(subject, passed) for _, passed in rows]
     columns = (
         Heading("Component"), Heading("Limit"), Heading("Condition"), Heading("Speed", "rpm", numeric=True),
         Heading("Value", numeric=True), Heading("In passing", numeric=True), Heading("Unit"),
         Heading("Utilisation", "%", numeric=True), Heading("Verdict"),
     )  # fmt: skip
     cells = zip(
-        [_component(one) for _, one in rows],
-        [as_words(one.steady.criterion) for _, one in rows],
+        [_component(passed) for _, passed in rows],
+        [as_words(passed.steady.criterion) for _, passed in rows],
         [subject.titles.of(check.configuration) for check, _ in rows],
-        aligned_numbers([one.rpm for _, one in rows], 3),
+        aligned_numbers([passed.rpm for _, passed in rows], 3),
         aligned_numbers([value for value, _, _ in scaled], 3),
         aligned_numbers([allowed for _, allowed, _ in scaled], 3),
         [unit(shown) if shown else "" for _, _, shown in scaled],
-        ["" if one.utilisation is None else NumberText(100 * one.utilisation, 3) for _, one in rows],
-        [one.verdict for _, one in rows],
+        ["" if passed.utilisation is None else NumberText(100 * passed.utilisation, 3) for _, passed in rows],
+        [passed.verdict for _, passed in rows],
         strict=True,
     )
     run_up = _run_up(checks[0])
@@ -74,7 +74,7 @@ def _table(subject: ReportData, checks: list[LimitCheck]) -> Block:
         low=low, high=high, shaft=as_words(run_up.reference), load=100 * run_up.load,
     )  # fmt: skip
     note = AS_IF_LASTING if run_up.rate is None else phrase(AT_ITS_RATE, rate=run_up.rate * RPM)
-    notes = [note, NOT_JUDGED] if any(one.verdict == OPEN for _, one in rows) else [note]
+    notes = [note, NOT_JUDGED] if any(passed.verdict == OPEN for _, passed in rows) else [note]
     return table(caption, columns, list(cells), notes)
 
 
@@ -87,23 +87,23 @@ def _rows(checks: list[LimitCheck]) -> Iterator[tuple[LimitCheck, PassedLimit]]:
     """Yield each criterion in the first condition that judges it, then in the worst one if it is clearly worse."""
     of_criterion: dict[tuple[str, str], list[tuple[LimitCheck, PassedLimit]]] = {}
     for check in checks:
-        for one in _run_up(check).verdicts:
-            of_criterion.setdefault((one.steady.limit, one.steady.criterion), []).append((check, one))
-    for found in of_criterion.values():
-        first, worst = found[0], max(found, key=lambda pair: pair[1].utilisation or 0.0)
+        for passed in _run_up(check).verdicts:
+            of_criterion.setdefault((passed.steady.limit, passed.steady.criterion), []).append((check, passed))
+    for of_one in of_criterion.values():
+        first, worst = of_one[0], max(of_one, key=lambda pair: pair[1].utilisation or 0.0)
         yield first
         if (worst[1].utilisation or 0.0) > (1 + OTHER_SHARE) * (first[1].utilisation or 0.0):
             yield worst
 
 
-def _component(one: PassedLimit) -> str:
-    name, of = as_words(one.steady.limit), as_words(one.steady.of)
+def _component(passed: PassedLimit) -> str:
+    name, of = as_words(passed.steady.limit), as_words(passed.steady.of)
     return name if of in name else f"{name} ({of})"
 
 
-def _in_units(subject: ReportData, one: PassedLimit) -> tuple[float | None, float | None, str]:
+def _in_units(subject: ReportData, passed: PassedLimit) -> tuple[float | None, float | None, str]:
     """Value, value allowed and their unit for engineers; None each where they are not known."""
-    if one.value is None or one.allowed is None:
+    if passed.value is None or passed.allowed is None:
         return None, None, ""
-    scale, shown = limit_scale(one.steady.unit, subject.conventions)
-    return one.value * scale, one.allowed * scale, shown
+    scale, shown = limit_scale(passed.steady.unit, subject.conventions)
+    return passed.value * scale, passed.allowed * scale, shown

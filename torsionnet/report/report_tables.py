@@ -59,7 +59,7 @@ def table(
 
 
 def results_table(
-    found: Table,
+    numbers: Table,
     caption: Cell,
     *,
     notes: bool = True,
@@ -73,11 +73,11 @@ def results_table(
     """
     columns = []
     cells: list[list[Cell]] = []
-    largest = _largest_by_unit(found)
-    for index, column in enumerate(found.columns):
-        values = [row[index] for row in found.rows]
+    largest = _largest_by_unit(numbers)
+    for index, column in enumerate(numbers.columns):
+        values = [row[index] for row in numbers.rows]
         heading = HEADING_SYMBOLS[column.name] if column.name in HEADING_SYMBOLS else heads(column.name)
-        if found.is_numeric(index):
+        if numbers.is_numeric(index):
             prefix, factor = prefix_of(column.unit, largest[column.unit])
             columns.append(Heading(heading, unit(prefix + column.unit) if column.unit else "", numeric=True))
             cells.append(_numbers(values, column.digits, factor))
@@ -86,10 +86,10 @@ def results_table(
             is_unit = column.name == "unit"
             cells.append([unit(value) if is_unit and value else _text(value, words) for value in values])
     rows = list(zip(*cells, strict=True))
-    return table(caption, columns, rows, [as_words(note) for note in found.notes] if notes else [], most)
+    return table(caption, columns, rows, [as_words(note) for note in numbers.notes] if notes else [], most)
 
 
-def with_kilo_units(found: Table) -> Table:
+def with_kilo_units(numbers: Table) -> Table:
     """Table of verdicts with torques in kN m and powers in kW, as those of one component are in all tables.
 
     Examples
@@ -98,25 +98,25 @@ def with_kilo_units(found: Table) -> Table:
     >>> shown.rows
     ((95.0, 'kN*m'), (42000000.0, 'Pa'))
     """
-    at = [one.name for one in found.columns].index(UNIT)
+    at = [heading.name for heading in numbers.columns].index(UNIT)
     rows = tuple(
         tuple(
             f"k{value}" if place == at else value / 1e3 if isinstance(value, float) and column.name in JUDGED else value
-            for place, (column, value) in enumerate(zip(found.columns, row, strict=True))
+            for place, (column, value) in enumerate(zip(numbers.columns, row, strict=True))
         )
         if row[at] in KILO or row[at] == "N*m"
         else row
-        for row in found.rows
+        for row in numbers.rows
     )
-    return replace(found, rows=rows)
+    return replace(numbers, rows=rows)
 
 
-def _largest_by_unit(found: Table) -> dict[str, float]:
+def _largest_by_unit(numbers: Table) -> dict[str, float]:
     """Largest size in each unit of a table: columns of one unit have one prefix, so that they can be added up."""
     largest: dict[str, float] = {}
-    for index, column in enumerate(found.columns):
-        if found.is_numeric(index):
-            sizes = [abs(row[index]) for row in found.rows if row[index] is not None and not math.isnan(row[index])]
+    for index, column in enumerate(numbers.columns):
+        if numbers.is_numeric(index):
+            sizes = [abs(row[index]) for row in numbers.rows if row[index] is not None and not math.isnan(row[index])]
             largest[column.unit] = max([largest.get(column.unit, 0.0), *sizes])
     return largest
 
@@ -168,14 +168,14 @@ def merge_equal_rows(rows: Sequence[tuple[Cell, ...]]) -> tuple[tuple[Cell, ...]
     >>> [row[0] for row in merge_equal_rows(rows)]
     ['dry, wet', 'warm']
     """
-    found: list[tuple[Cell, ...]] = []
+    merged: list[tuple[Cell, ...]] = []
     for row in rows:
-        named = found and len(row) > 1 and row[0] and found[-1][0]
-        if named and shown_cells(row[1:]) == shown_cells(found[-1][1:]):
-            found[-1] = ((*inlines(found[-1][0]), ", ", *inlines(row[0])), *found[-1][1:])
+        named = merged and len(row) > 1 and row[0] and merged[-1][0]
+        if named and shown_cells(row[1:]) == shown_cells(merged[-1][1:]):
+            merged[-1] = ((*inlines(merged[-1][0]), ", ", *inlines(row[0])), *merged[-1][1:])
         else:
-            found.append(row)
-    return tuple((join_texts(row[0]), *row[1:]) if row else row for row in found)
+            merged.append(row)
+    return tuple((join_texts(row[0]), *row[1:]) if row else row for row in merged)
 
 
 def shown_cells(row: Sequence[Cell]) -> list[tuple[object, ...]]:
@@ -203,7 +203,7 @@ UNIT = "unit"
 """Heading of a table's column of units, which belong to the numbers beside it."""
 
 
-def in_shown_units(found: Table, units: ShownUnits) -> Table:
+def in_shown_units(numbers: Table, units: ShownUnits) -> Table:
     """Table of a study's results in the units of its author, by the names in its headings or in its rows.
 
     Examples
@@ -213,27 +213,27 @@ def in_shown_units(found: Table, units: ShownUnits) -> Table:
     >>> shown.columns[0].unit, shown.rows[0]
     ('mrad', (500.0, 1))
     """
-    scales = _column_scales(found.columns, units)
-    columns = tuple(replace(one, unit=unit) for one, (_, unit) in zip(found.columns, scales, strict=True))
+    scales = _column_scales(numbers.columns, units)
+    columns = tuple(replace(column, unit=unit) for column, (_, unit) in zip(numbers.columns, scales, strict=True))
     rows = tuple(
-        tuple(_scaled(value, scale) for value, (scale, _) in zip(row, scales, strict=True)) for row in found.rows
+        tuple(_scaled(value, scale) for value, (scale, _) in zip(row, scales, strict=True)) for row in numbers.rows
     )
-    places = [place for place, one in enumerate(found.columns) if one.name == UNIT]
+    places = [place for place, column in enumerate(numbers.columns) if column.name == UNIT]
     if places:
         rows = tuple(_row(row, places, units) for row in rows)
-    return _units_in_headings(replace(found, columns=columns, rows=rows), places)
+    return _units_in_headings(replace(numbers, columns=columns, rows=rows), places)
 
 
-def _units_in_headings(found: Table, places: Sequence[int]) -> Table:
+def _units_in_headings(numbers: Table, places: Sequence[int]) -> Table:
     """Table in which a unit that is the same in all rows stands in the headings instead of a column of its own."""
-    same = {place: found.rows[0][place] for place in places if len({row[place] for row in found.rows}) == 1}
-    columns = list(found.columns)
-    for place, one in enumerate(columns):
+    same = {place: numbers.rows[0][place] for place in places if len({row[place] for row in numbers.rows}) == 1}
+    columns = list(numbers.columns)
+    for place, column in enumerate(columns):
         at = _unit_of(place, places)
-        if at in same and any(isinstance(row[place], float) for row in found.rows):
-            columns[place] = replace(one, unit=same[at])
+        if at in same and any(isinstance(row[place], float) for row in numbers.rows):
+            columns[place] = replace(column, unit=same[at])
     kept = [place for place in range(len(columns)) if place not in same]
-    return replace(found, columns=tuple(columns)).chosen(kept)
+    return replace(numbers, columns=tuple(columns)).chosen(kept)
 
 
 def _unit_of(place: int, places: Sequence[int]) -> int:
@@ -241,7 +241,7 @@ def _unit_of(place: int, places: Sequence[int]) -> int:
 
     The next one, behind all of them the last.
     """
-    return next((one for one in places if one >= place), places[-1]) if places else -1
+    return next((unit_place for unit_place in places if unit_place >= place), places[-1]) if places else -1
 
 
 def _column_scales(columns: Sequence[Column], units: ShownUnits) -> list[tuple[float, str]]:
@@ -249,13 +249,13 @@ def _column_scales(columns: Sequence[Column], units: ShownUnits) -> list[tuple[f
 
     A column without a unit of its own name takes the one of equal SI unit.
     """
-    named = {one.unit: one.name for one in columns if one.unit and units.si.get(one.name) == one.unit}
-    found = []
-    for one in columns:
-        name = one.name if units.si.get(one.name) == one.unit else named.get(one.unit)
-        known = bool(one.unit) and name is not None
-        found.append((units.scale(name), units.unit(name)) if known and name else (1.0, one.unit))
-    return found
+    named = {column.unit: column.name for column in columns if column.unit and units.si.get(column.name) == column.unit}
+    scales = []
+    for column in columns:
+        name = column.name if units.si.get(column.name) == column.unit else named.get(column.unit)
+        known = bool(column.unit) and name is not None
+        scales.append((units.scale(name), units.unit(name)) if known and name else (1.0, column.unit))
+    return scales
 
 
 def _row(row: tuple[Any, ...], places: Sequence[int], units: ShownUnits) -> tuple[Any, ...]:
@@ -264,7 +264,7 @@ def _row(row: tuple[Any, ...], places: Sequence[int], units: ShownUnits) -> tupl
     shown = list(row)
     for place, value in enumerate(row):
         at = _unit_of(place, places)
-        meant = {(units.unit(one), units.scale(one)) for one in names if units.si[one] == row[at]}
+        meant = {(units.unit(quantity), units.scale(quantity)) for quantity in names if units.si[quantity] == row[at]}
         if len(meant) == 1:  # otherwise it is open which of them the numbers are of
             unit, scale = meant.pop()
             shown[place] = unit if place in places else _scaled(value, scale)

@@ -96,7 +96,7 @@ class Rewording:
                 caption = self.reworded(part.caption)
                 alt = self.wording(part.alt)
                 if alt == part.alt and caption != part.caption:
-                    alt = "".join(one.latex if isinstance(one, Math) else str(one) for one in caption)
+                    alt = "".join(piece.latex if isinstance(piece, Math) else str(piece) for piece in caption)
                 return replace(part, caption=caption, alt=alt)
             case Heading(text) if text in self.wording.names:
                 return part
@@ -162,8 +162,8 @@ def in_society_words(part: Any, society: Society) -> Any:
     if isinstance(part, str):
         return society.in_words(part)
     if isinstance(part, tuple):
-        return tuple(in_society_words(one, society) for one in part)
+        return tuple(in_society_words(piece, society) for piece in part)
     if not is_dataclass(part) or isinstance(part, (type, *AS_THEY_ARE)):
         return part
-    kept = {one.name: getattr(part, one.name) for one in fields(part) if one.name not in KEPT_FIELDS}
+    kept = {field.name: getattr(part, field.name) for field in fields(part) if field.name not in KEPT_FIELDS}
     return replace(part, **{name: in_society_words(value, society) for name, value in kept.items()})

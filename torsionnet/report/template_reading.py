@@ -74,15 +74,15 @@ def page_faults(template: TemplateFolder, name: str) -> list[Fault]:
     environment = environment_of(name.removeprefix("page"), template)
     try:
         tree = environment.parse(template.texts[name])
-        found = list(_faults(tree, shipped_blocks(name)))
-        if not found:
+        faults = list(_faults(tree, shipped_blocks(name)))
+        if not faults:
             environment.get_template(name)
     except TemplateSyntaxError as error:
         tag = _unknown_tag(environment, template.texts[name], error.lineno)
         text = f'no tag is named "{tag}"{suggestion_or(tag, _TAGS, "known: " + ", ".join(_TAGS))}' if tag else ""
         said = text or (error.message or "this is no template").rstrip(".")
-        found = [(error.lineno, said, "unknown-name" if text else "wrong-form")]
-    return [Fault(text, position=template.position(name, line), kind=kind) for line, text, kind in found]
+        faults = [(error.lineno, said, "unknown-name" if text else "wrong-form")]
+    return [Fault(text, position=template.position(name, line), kind=kind) for line, text, kind in faults]
 
 
 def _unknown_tag(environment: Environment, text: str, line: int) -> str:
@@ -167,8 +167,8 @@ def read_template(path: str | os.PathLike[str]) -> TemplateFolder:
             raise UsageError(
                 f"{folder / name} cannot be read: {error.strerror or error}", kind="unreadable-file"
             ) from None
-    words, found = _words(texts.pop(WORDS, ""), str(folder / WORDS))
-    faults += found
+    words, faults_of_words = _words(texts.pop(WORDS, ""), str(folder / WORDS))
+    faults += faults_of_words
     read = TemplateFolder(folder, texts, images, Wording(words.texts or {}), words.language)
     faults += [fault for name in ("page.html", STYLE) for fault in _from_elsewhere(read, name)]
     faults += [fault for name in PAGES if name in texts for fault in page_faults(read, name)]
@@ -180,7 +180,7 @@ def read_template(path: str | os.PathLike[str]) -> TemplateFolder:
 def _names(folder: Path) -> list[str]:
     """Names of the template folder's files; notes to its reader and hidden files are left out."""
     try:
-        found = sorted(entry.name for entry in folder.iterdir())
+        names = sorted(entry.name for entry in folder.iterdir())
     except NotADirectoryError:
         raise UsageError(
             f"{folder} is no folder; --template takes the folder that holds page.html", kind="wrong-file"
@@ -191,7 +191,7 @@ def _names(folder: Path) -> list[str]:
         kind = "missing-file" if isinstance(error, FileNotFoundError) else "unreadable-file"
         text = f"the template folder {folder} cannot be read: {error.strerror or error}{hint}"
         raise UsageError(text, kind=kind) from None
-    return [name for name in found if not name.startswith((".", "README"))]
+    return [name for name in names if not name.startswith((".", "README"))]
 
 
 def _no_part(folder: Path, name: str, names: Iterable[str]) -> Fault | None:
@@ -205,7 +205,7 @@ def _no_part(folder: Path, name: str, names: Iterable[str]) -> Fault | None:
         return fault("this link leads out of the template folder; put a copy of the file there", kind="forbidden-file")
     if name not in known and Path(name).suffix.lower() not in IMAGES:
         rest = f"it may hold {', '.join(known)} and images ({', '.join(IMAGES)})"
-        missing = [one for one in known if one not in names]
+        missing = [known_name for known_name in known if known_name not in names]
         return fault(f"this is no part of a template{suggestion_or(name, missing, rest)}", kind="unknown-name")
     if not path.is_file():
         return fault("a file is expected, not a folder or a device", kind="wrong-file")
@@ -231,10 +231,10 @@ def _from_elsewhere(template: TemplateFolder, name: str) -> Iterator[Fault]:
     """Faults of a page of a template folder that would load something from elsewhere, or run something."""
     text = template.texts.get(name, "")
     for pattern, advice in _FROM_ELSEWHERE.items():
-        for found in re.finditer(pattern, text, re.IGNORECASE):
-            line = text.count("\n", 0, found.start()) + 1
-            column = found.start() - text.rfind("\n", 0, found.start())
-            about = found[1] if found.re.groups else ""
+        for link in re.finditer(pattern, text, re.IGNORECASE):
+            line = text.count("\n", 0, link.start()) + 1
+            column = link.start() - text.rfind("\n", 0, link.start())
+            about = link[1] if link.re.groups else ""
             yield Fault(advice.format(about), position=template.position(name, line, column), kind="wrong-form")
     if name == STYLE and "</" in text:
         line = text.count("\n", 0, text.index("</")) + 1

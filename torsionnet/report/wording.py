@@ -41,7 +41,7 @@ def replaceable_texts() -> Mapping[str, tuple[str, ...]]:
     """Texts of a report that may be replaced, by section."""
     listed = files("torsionnet.report").joinpath("texts.yaml").read_text(encoding="utf-8")
     texts = {section: tuple(map(str, texts)) for section, texts in compose(listed, "texts.yaml").data.items()}
-    own = {name for cls in ELEMENT_TYPES.values() for one in cls.specs() for name in _properties(*one)}
+    own = {name for cls in ELEMENT_TYPES.values() for spec in cls.specs() for name in _properties(*spec)}
     return {
         **texts,
         "types of elements": _words(ELEMENT_TYPES),
@@ -113,7 +113,7 @@ class Wording:
 
 
 def _unknown(text: str) -> str | None:
-    known = [one for texts in replaceable_texts().values() for one in texts]
+    known = [shown for texts in replaceable_texts().values() for shown in texts]
     if text in known:
         return None
     return f'no text of a report is "{text}"{suggestion_or(text, known, LIST_OF_TEXTS)}'

@@ -65,9 +65,9 @@ def _idling(plan: ReportPlan, definition: Definition) -> Iterator[Fault]:
         text = "speeds of idling are those of the shaft of the entry speeds:, which the model lacks"
         yield Fault(text, ("idling",), on_key=True, kind="out-of-range")
         return
-    conditions = [definition, *(one for _, one in variants(definition))]
+    conditions = [definition, *(condition for _, condition in variants(definition))]
     for index, speed in enumerate(plan.idling):
-        if not any(holds_speed(one, speed) for one in conditions):
+        if not any(holds_speed(condition, speed) for condition in conditions):
             low, high = speeds.values[0] * RPM, speeds.values[-1] * RPM
             text = f"{speeds.of} idles at {speed * RPM:.6g} rpm, but speeds: go from {low:.6g} to {high:.6g} rpm"
             text += (

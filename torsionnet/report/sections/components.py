@@ -79,11 +79,11 @@ def components_section(subject: ReportData) -> Section | None:
 
     None for a model without limits.
     """
-    found = subject.limit_conclusion
-    if found is None:
+    limits_judged = subject.limit_conclusion
+    if limits_judged is None:
         return None
-    uses = component_uses(found, subject.model.definition, subject.conventions, subject.normal_peaks)
-    blocks: list[Block] = [*_m68_shafts(subject, found), _all_components(subject, found, uses)]
+    uses = component_uses(limits_judged, subject.model.definition, subject.conventions, subject.normal_peaks)
+    blocks: list[Block] = [*_m68_shafts(subject, limits_judged), _all_components(subject, limits_judged, uses)]
     elsewhere = rated_elsewhere(subject)
     blocks += [elsewhere] if elsewhere else []
     blocks += [Paragraph((text,)) for text in cyclic_irregularities(subject)]
@@ -93,19 +93,20 @@ def components_section(subject: ReportData) -> Section | None:
     for use in crankshafts.values():
         blocks += _throws(subject, use)
     blocks += [Paragraph((NO_M53,))] if crankshafts else []
-    blocks += [Paragraph(("Rules and sources:",)), Listing(tuple(_sources(found)))]
+    blocks += [Paragraph(("Rules and sources:",)), Listing(tuple(_sources(limits_judged)))]
     return Section("components", ("Shafts, crankshaft, couplings, gears, dampers",), tuple(blocks))
 
 
-def _m68_shafts(subject: ReportData, found: LimitConclusion) -> Iterator[Block]:
+def _m68_shafts(subject: ReportData, judged: LimitConclusion) -> Iterator[Block]:
     """Formulas of IACS UR M68 and tables of the factors of the shafts that it is for."""
     limits = subject.model.definition.limits
     shafts = [
-        one
-        for one in found.worst()
-        if isinstance(limits[one.verdict.limit], IacsM68) and one.verdict.criterion in in_all_words("tau_C")
+        worst_limit
+        for worst_limit in judged.worst()
+        if isinstance(limits[worst_limit.verdict.limit], IacsM68)
+        and worst_limit.verdict.criterion in in_all_words("tau_C")
     ]
-    shafts.sort(key=lambda one: list(limits).index(one.verdict.limit))
+    shafts.sort(key=lambda worst_limit: list(limits).index(worst_limit.verdict.limit))
     if shafts:
         yield Paragraph(M68_TEXT)
     for start in range(0, len(shafts), MOST_SHAFTS):
@@ -113,7 +114,7 @@ def _m68_shafts(subject: ReportData, found: LimitConclusion) -> Iterator[Block]:
 
 
 def _factors(subject: ReportData, shafts: Sequence[WorstLimit]) -> TableBlock:
-    names = [as_words(one.verdict.limit) for one in shafts]
+    names = [as_words(shaft.verdict.limit) for shaft in shafts]
     columns = (
         Heading("Quantity"),
         Heading("Symbol"),
@@ -122,35 +123,35 @@ def _factors(subject: ReportData, shafts: Sequence[WorstLimit]) -> TableBlock:
         Heading("From", wide=True),
     )
     rows: list[tuple[Cell, ...]] = []
-    for alike in zip(*(one.verdict.text.factors for one in shafts), strict=True):
-        if alike[0].symbol == BORE and not any(one.value for one in alike):
+    for alike in zip(*(shaft.verdict.text.factors for shaft in shafts), strict=True):
+        if alike[0].symbol == BORE and not any(factor.value for factor in alike):
             continue  # all shafts are solid
         scale, shown = FACTOR_UNITS[alike[0].unit]
-        numbers = [NumberText(one.value * scale) for one in alike]
+        numbers = [NumberText(factor.value * scale) for factor in alike]
         quantity, symbol = _typeset(_capital(alike[0].name)), Math(_latex(alike[0].symbol))
         rows.append((quantity, symbol, unit(shown), *numbers, _origin(names, alike)))
-    rated = [_ratio(subject, one) for one in shafts]
+    rated = [_ratio(subject, shaft) for shaft in shafts]
     where = "where it is used most in continuous operation"
     rows.append(
-        ("Speed ratio where it is worst", Math(r"\lambda"), unit(""), *(NumberText(one) for one in rated), where)
+        ("Speed ratio where it is worst", Math(r"\lambda"), unit(""), *(NumberText(ratio) for ratio in rated), where)
     )
-    allowed = [one.verdict.worst_allowed for one in shafts]
-    sizes = [NumberText(None if one is None else one * 1e-6) for one in allowed]
+    allowed = [shaft.verdict.worst_allowed for shaft in shafts]
+    sizes = [NumberText(None if stress is None else stress * 1e-6) for stress in allowed]
     rows.append(("Permissible there", Math(r"\tau_{C}"), unit("N/mm^2"), *sizes, "at this speed ratio"))
     return table("Shafts by IACS UR M68: factors and where they come from", columns, rows)
 
 
-def _ratio(subject: ReportData, one: WorstLimit) -> float | None:
+def _ratio(subject: ReportData, shaft: WorstLimit) -> float | None:
     """Speed ratio at which a shaft is used most, dimensionless; None where it was not judged."""
     definition = subject.model.definition
-    limit, speeds, at = definition.limits[one.verdict.limit], definition.speeds, one.verdict.worst
+    limit, speeds, at = definition.limits[shaft.verdict.limit], definition.speeds, shaft.verdict.worst
     rated = (limit.rated if isinstance(limit, IacsM68) else None) or (speeds.rated if speeds else None)
-    return None if at is None or rated is None else float(one.check.speeds[at]) / rated
+    return None if at is None or rated is None else float(shaft.check.speeds[at]) / rated
 
 
 def _origin(names: Sequence[str], factors: Sequence[RuleFactor]) -> Text:
     """Text on where a factor comes from, by shaft where the shafts differ."""
-    origins = [one.origin for one in factors]
+    origins = [factor.origin for factor in factors]
     if len(set(origins)) == 1:
         return _typeset(origins[0])
     named: list[str | RuleSymbol] = []
@@ -167,13 +168,13 @@ def _capital(words: RuleWords) -> RuleWords:
 def _typeset(words: Sequence[str | RuleSymbol]) -> Text:
     """Words about a rule with its symbols as in print, and no two texts beside each other."""
     parts: list[Inline] = []
-    for one in words:
-        if isinstance(one, RuleSymbol):
-            parts.append(Math(_latex(one)))
+    for part in words:
+        if isinstance(part, RuleSymbol):
+            parts.append(Math(_latex(part)))
         elif parts and isinstance(parts[-1], str):
-            parts[-1] = joined("", (parts[-1], one))
+            parts[-1] = joined("", (parts[-1], part))
         else:
-            parts.append(one)
+            parts.append(part)
     return tuple(parts)
 
 
@@ -185,9 +186,9 @@ def _latex(symbol: RuleSymbol) -> str:
     return rf"\sqrt{{{text}}}" if symbol.root else text
 
 
-def _all_components(subject: ReportData, found: LimitConclusion, uses: Sequence[ComponentUse]) -> TableBlock:
+def _all_components(subject: ReportData, judged: LimitConclusion, uses: Sequence[ComponentUse]) -> TableBlock:
     """Table of all components by kind, with values at rated speed in the normal condition and in the worst one."""
-    sources = {name: number for number, names in enumerate(_numbered(found).values(), 1) for name in names}
+    sources = {name: number for number, names in enumerate(_numbered(judged).values(), 1) for name in names}
     columns = (
         Heading("Component"),
         Heading("What is compared", wide=True),
@@ -285,17 +286,17 @@ def _limit_subject(case: Case) -> LimitSubject:
     return limit_subject(case.drivetrain.definition, case.drivetrain.exact_values)
 
 
-def _numbered(found: LimitConclusion) -> dict[tuple[str, str], list[str]]:
+def _numbered(judged: LimitConclusion) -> dict[tuple[str, str], list[str]]:
     """Names of the limits by the source and, but for IACS UR M68, the formula of their rule."""
     numbered: dict[tuple[str, str], list[str]] = {}
-    for check in found.checks:
+    for check in judged.checks:
         for text, names in check.texts().items():
             known = numbered.setdefault((text.source, "" if text.factors else text.formula), [])
             known += [name for name in names if name not in known]
     return numbered
 
 
-def _sources(found: LimitConclusion) -> Iterator[Text]:
-    for number, ((source, formula), names) in enumerate(_numbered(found).items(), 1):
+def _sources(judged: LimitConclusion) -> Iterator[Text]:
+    for number, ((source, formula), names) in enumerate(_numbered(judged).items(), 1):
         rule = (". ", formula) if formula else ()
         yield (Strong(f"[{number}] {', '.join(map(as_words, names))}"), ": ", source, *rule, ".")

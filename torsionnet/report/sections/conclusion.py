@@ -60,42 +60,46 @@ LITTLE_DAMPED = (
 
 def conclusion_section(subject: ReportData) -> Section:
     """Section of a report with verdict, worst condition of every limit, operating instructions and what is open."""
-    found = subject.limit_conclusion
-    blocks: list[Block] = [Paragraph((NO_LIMITS,))] if found is None else [*_judged(subject, found)]
+    judged = subject.limit_conclusion
+    blocks: list[Block] = [Paragraph((NO_LIMITS,))] if judged is None else [*_judged(subject, judged)]
     return Section("conclusion", ("Conclusion and operating instructions",), tuple(blocks))
 
 
-def _judged(subject: ReportData, found: LimitConclusion) -> Iterator[Block]:
+def _judged(subject: ReportData, judged: LimitConclusion) -> Iterator[Block]:
     missed = missed_margins(subject)
     apart = ("; ", Strong(phrase("separation margins not kept"))) if missed else ()
-    yield Paragraph((Strong("Verdict:"), " ", Strong(found.verdict), "; ", Strong(found.starts), *apart))
-    findings = [capital(as_words(finding)) for finding in (*missed, *found.findings, *_switched_off(subject, found))]
+    yield Paragraph((Strong("Verdict:"), " ", Strong(judged.verdict), "; ", Strong(judged.starts), *apart))
+    findings = [capital(as_words(finding)) for finding in (*missed, *judged.findings, *_switched_off(subject, judged))]
     findings += lacking_conditions(subject)
-    yield Listing(tuple((text,) for text in [*findings, *_by_small_damping(subject, found)]))
-    yield _components(subject, found)
-    yield from run_up_blocks(subject, found)
-    yield from instruction_blocks(subject, found, apart=not missed)
+    yield Listing(tuple((text,) for text in [*findings, *_by_small_damping(subject, judged)]))
+    yield _components(subject, judged)
+    yield from run_up_blocks(subject, judged)
+    yield from instruction_blocks(subject, judged, apart=not missed)
     yield Paragraph(("Not covered:",))
-    yield Listing(tuple(_not_covered(subject, found)))
+    yield Listing(tuple(_not_covered(subject, judged)))
 
 
-def _switched_off(subject: ReportData, found: LimitConclusion) -> Iterator[str]:
+def _switched_off(subject: ReportData, limits_judged: LimitConclusion) -> Iterator[str]:
     """Sentences on limits that single conditions do not judge, as their parts stand still there."""
     missing: dict[str, list[str]] = {}
-    for check in found.checks:
-        absent = dict.fromkeys(as_words(one.limit) for one in check.verdicts if one.verdict == OPEN and one.absent)
-        judged = {as_words(one.limit) for one in check.verdicts if one.verdict != OPEN}
+    for check in limits_judged.checks:
+        absent = dict.fromkeys(
+            as_words(limit_verdict.limit)
+            for limit_verdict in check.verdicts
+            if limit_verdict.verdict == OPEN and limit_verdict.absent
+        )
+        judged = {as_words(limit_verdict.limit) for limit_verdict in check.verdicts if limit_verdict.verdict != OPEN}
         if names := [name for name in absent if name not in judged]:
             missing.setdefault(listed_names(names), []).append(check.configuration)
     for limits, conditions in missing.items():
-        if any(one.configuration not in conditions for one in found.checks):
+        if any(check.configuration not in conditions for check in limits_judged.checks):
             where = phrase(" in {names}", names=subject.titles.several(conditions, subject.model.configurations))
             yield phrase("{limit} not judged{where}", limit=limits, where=where)
 
 
-def _by_small_damping(subject: ReportData, found: LimitConclusion) -> Iterator[str]:
+def _by_small_damping(subject: ReportData, judged: LimitConclusion) -> Iterator[str]:
     """Sentences on governing values that stand at a resonance of a mode with little damping."""
-    for worst, record in little_damped(found.worst(), subject.critical_records):
+    for worst, record in little_damped(judged.worst(), subject.critical_records):
         yield phrase(
             LITTLE_DAMPED,
             name=capital(as_words(worst.verdict.limit)),
@@ -108,7 +112,7 @@ def _by_small_damping(subject: ReportData, found: LimitConclusion) -> Iterator[s
         )
 
 
-def _components(subject: ReportData, found: LimitConclusion) -> TableBlock:
+def _components(subject: ReportData, judged: LimitConclusion) -> TableBlock:
     """Table with a row for each criterion of each limit at its worst speed: in the normal condition, then in any.
 
     Of all conditions the one that uses the criterion most, and the one with its gravest verdict if that is another.
@@ -125,46 +129,49 @@ def _components(subject: ReportData, found: LimitConclusion) -> TableBlock:
         Heading("Unit"),
         Heading("Utilisation", "%", numeric=True),
     )
-    worst = [row for one in found.worst() for row in _records(found, one)]
-    if len(found.checks) < 2:
+    worst = [row for worst_limit in judged.worst() for row in _records(judged, worst_limit)]
+    if len(judged.checks) < 2:
         return table("Verdict on every component, at its worst speed", columns, _rows(subject, worst, named=False))
-    normal = next(one for one in found.checks if one.configuration == subject.normal_case.configuration)
+    normal = next(check for check in judged.checks if check.configuration == subject.normal_case.configuration)
     groups = (
         TableGroup(_rows(subject, LimitConclusion((normal,)).worst(), named=False), capital(subject.normal_case.title)),
-        TableGroup(_rows(subject, worst, named=True), phrase("Worst of {count} conditions", count=len(found.checks))),
+        TableGroup(_rows(subject, worst, named=True), phrase("Worst of {count} conditions", count=len(judged.checks))),
     )
     caption = "Verdict on every component at its worst speed, in the normal condition and in the worst one"
     return TableBlock((caption,), columns, groups)
 
 
-def _records(found: LimitConclusion, worst: WorstLimit) -> Iterator[WorstLimit]:
+def _records(judged: LimitConclusion, worst: WorstLimit) -> Iterator[WorstLimit]:
     """Criterion where it is used most, and in another condition whose verdict on it is graver, each with its own."""
     yield worst
     if worst.gravest != worst.verdict.verdict:
         name = (worst.verdict.limit, worst.verdict.criterion)
         graver = [
-            WorstLimit(check, one, worst.gravest)
-            for check in found.checks
-            for one in check.verdicts
-            if (one.limit, one.criterion, one.verdict) == (*name, worst.gravest)
+            WorstLimit(check, limit_verdict, worst.gravest)
+            for check in judged.checks
+            for limit_verdict in check.verdicts
+            if (limit_verdict.limit, limit_verdict.criterion, limit_verdict.verdict) == (*name, worst.gravest)
         ]
-        yield max(graver, key=lambda one: one.utilisation or 0.0)
+        yield max(graver, key=lambda limit_verdict: limit_verdict.utilisation or 0.0)
 
 
 def _rows(subject: ReportData, worst: Sequence[WorstLimit], *, named: bool) -> tuple[tuple[Cell, ...], ...]:
     """Rows of the table of components; ``named`` tells whether they say the condition."""
-    sizes = [_sizes(subject, one) for one in worst]
+    sizes = [_sizes(subject, worst_limit) for worst_limit in worst]
     cells: list[list[Cell]] = [
-        [_component(one) for one in worst],
-        [as_words(one.verdict.criterion) for one in worst],
-        [subject.titles.of(one.check.configuration) if named else "" for one in worst],
-        [one.verdict.verdict for one in worst],
-        [judged_words(one.verdict) for one in worst],
-        list(aligned_numbers([one.rpm for one in worst], 4)),
+        [_component(worst_limit) for worst_limit in worst],
+        [as_words(worst_limit.verdict.criterion) for worst_limit in worst],
+        [subject.titles.of(worst_limit.check.configuration) if named else "" for worst_limit in worst],
+        [worst_limit.verdict.verdict for worst_limit in worst],
+        [judged_words(worst_limit.verdict) for worst_limit in worst],
+        list(aligned_numbers([worst_limit.rpm for worst_limit in worst], 4)),
         ["" if value is None else NumberText(value, 4) for value, _, _ in sizes],
         ["" if allowed is None else NumberText(allowed, 4) for _, allowed, _ in sizes],
         [unit(shown) if shown else "" for _, _, shown in sizes],
-        ["" if one.utilisation is None else NumberText(100 * one.utilisation, 3) for one in worst],
+        [
+            "" if worst_limit.utilisation is None else NumberText(100 * worst_limit.utilisation, 3)
+            for worst_limit in worst
+        ],
     ]
     return tuple(zip(*cells, strict=True))
 
@@ -176,22 +183,24 @@ def _component(worst: WorstLimit) -> str:
 
 def _sizes(subject: ReportData, worst: WorstLimit) -> tuple[float | None, float | None, str]:
     """Value, value allowed and their unit at the worst speed of a limit; None each where it was not judged."""
-    one, at = worst.verdict, worst.verdict.worst
+    limit_verdict, at = worst.verdict, worst.verdict.worst
     if at is None:
         return None, None, ""
-    scale, shown = limit_scale(one.unit, subject.conventions)
-    return float(one.values[at]) * scale, float(one.allowed[at]) * scale, shown
+    scale, shown = limit_scale(limit_verdict.unit, subject.conventions)
+    return float(limit_verdict.values[at]) * scale, float(limit_verdict.allowed[at]) * scale, shown
 
 
-def _not_covered(subject: ReportData, found: LimitConclusion) -> Iterator[Text]:
+def _not_covered(subject: ReportData, limits_judged: LimitConclusion) -> Iterator[Text]:
     """Points that the verdict does not cover: conditions, excitations, and what each rule leaves out."""
-    if found.not_examined:
-        yield (phrase("Conditions not examined: {names}.", names=subject.titles.listed(found.not_examined)),)
-    for words in found.left_out:
+    if limits_judged.not_examined:
+        yield (phrase("Conditions not examined: {names}.", names=subject.titles.listed(limits_judged.not_examined)),)
+    for words in limits_judged.left_out:
         yield (f"{capital(as_words(words))}.",)
     definition = subject.model.definition
     judged = {getattr(limit, "element", "") for limit in definition.limits.values()}
-    open_shafts = [name for name, one in definition.elements.items() if isinstance(one, Shaft) and name not in judged]
+    open_shafts = [
+        name for name, element in definition.elements.items() if isinstance(element, Shaft) and name not in judged
+    ]
     if open_shafts:
         yield (
             phrase(
@@ -203,7 +212,7 @@ def _not_covered(subject: ReportData, found: LimitConclusion) -> Iterator[Text]:
     if unnamed:
         yield (phrase("Limits whose values have no source: {names}.", names=listed_names([*map(as_words, unnamed)])),)
     of_rules: dict[str, dict[str, None]] = {}
-    for check in found.checks:
+    for check in limits_judged.checks:
         for text, names in check.texts().items():
             if text.not_covered:
                 of_rules.setdefault(text.not_covered, {}).update(dict.fromkeys(names))
@@ -228,7 +237,7 @@ def summary_section(subject: ReportData) -> Section:
     judged = subject.limit_conclusion if subject.request.wants("limits") else None
     blocks: list[Block] = [] if judged is None else [verdict(judged)]
     blocks += _of_model(subject.by_drivetrain)
-    blocks += [found for fit in subject.request.fits if (found := _fitted(subject, fit)) is not None]
+    blocks += [fitted for fit in subject.request.fits if (fitted := _fitted(subject, fit)) is not None]
     blocks += [_response(subject.by_drivetrain.for_pair(pair), pair) for pair in subject.pairs[:MOST_PAIRS]]
     if judged is not None:
         blocks.append(conclusion(subject, judged))
@@ -243,7 +252,7 @@ def _fitted(subject: ReportData, fit: Fit) -> TableBlock | None:
     None where nothing vibrates.
     """
     modes = tuple(_with_values(fit, case).modes() for case in subject.cases)
-    if not any(OSCILLATORY in one.kinds for one in modes):
+    if not any(OSCILLATORY in each.kinds for each in modes):
         return None
     plain = dict.fromkeys(name.partition("[")[0] for name in fit.values)
     names = [name for name in plain if name in subject.model.parameter_definitions]
@@ -263,13 +272,13 @@ def _with_values(fit: Fit, case: Case) -> Drivetrain:
 
 
 def _vibrations(subject: ReportData, shown: tuple[Modes, ...], caption: str, note: Text) -> TableBlock:
-    found = [
+    vibrations = [
         [index for index, kind in enumerate(modes.kinds) if kind == OSCILLATORY][:MOST_VIBRATIONS] for modes in shown
     ]
     columns = [Heading("Configuration")]
     cells: list[list[Cell]] = [[case.title for case in subject.cases]]
-    for place in range(max(map(len, found))):
-        picked = [indices[place] if place < len(indices) else None for indices in found]
+    for place in range(max(map(len, vibrations))):
+        picked = [indices[place] if place < len(indices) else None for indices in vibrations]
         pairs = list(zip(shown, picked, strict=True))
         columns += [
             Heading((Math(f"f_{{{place + 1}}}"),), "Hz", numeric=True),
@@ -293,9 +302,9 @@ def _of_model(subject: ReportData) -> list[TableBlock]:
 
 def _response(subject: ReportData, pair: Pair) -> TableBlock:
     """Table of static value and highest peak of a transfer function in every configuration."""
-    found = subject.responses(pair)
-    scale, shown = found[0].scale(subject.conventions), unit(found[0].unit(conventions=subject.conventions))
-    points = [static_value_and_peaks(subject, pair, response, index) for index, response in enumerate(found)]
+    responses = subject.responses(pair)
+    scale, shown = responses[0].scale(subject.conventions), unit(responses[0].unit(conventions=subject.conventions))
+    points = [static_value_and_peaks(subject, pair, response, index) for index, response in enumerate(responses)]
     static = [entries[0][1].magnitude * scale for entries in points]
     highest = [
         max((peak for _, peak in entries[1:]), key=lambda peak: peak.magnitude, default=None) for entries in points

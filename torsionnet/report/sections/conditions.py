@@ -128,8 +128,8 @@ def conditions_section(subject: ReportData) -> Section | None:
 
 def _checks(subject: ReportData) -> Mapping[str, LimitCheck]:
     """Checks of limits by the name of the configuration; empty where no limits are judged."""
-    found = subject.limit_conclusion
-    return {} if found is None else {one.configuration: one for one in found.checks}
+    judged = subject.limit_conclusion
+    return {} if judged is None else {check.configuration: check for check in judged.checks}
 
 
 def _normal(subject: ReportData) -> str:
@@ -151,7 +151,7 @@ def _idling(subject: ReportData) -> str:
         return ""
     words = []
     for speed in speeds:
-        barred = [name for name, one in _checks(subject).items() if not one.permits(speed)]
+        barred = [name for name, check in _checks(subject).items() if not check.permits(speed)]
         names = subject.titles.several(barred, list(_checks(subject))) if barred else ""
         where = phrase(" (not permitted in {names})", names=names) if names else ""
         where = where or (phrase(" (not permitted)") if barred else "")
@@ -215,17 +215,22 @@ def _conditions(subject: ReportData) -> TableBlock:
 
 def _verdict(check: LimitCheck) -> tuple[Cell, ...]:
     """Verdict on the limits in a condition with the limits that do not hold, speeds not permitted, most used limit."""
-    concerned = [one for one in check.verdicts if not one.elsewhere]
-    grave = dict.fromkeys(as_words(one.limit) for one in concerned if one.verdict == check.verdict)
+    concerned = [limit_verdict for limit_verdict in check.verdicts if not limit_verdict.elsewhere]
+    grave = dict.fromkeys(
+        as_words(limit_verdict.limit) for limit_verdict in concerned if limit_verdict.verdict == check.verdict
+    )
     named = phrase("{verdict}: {limits}", verdict=phrase(check.verdict), limits=", ".join(grave))
-    rest = gravest(one.verdict for one in concerned if one.verdict != OPEN)
-    if check.verdict == OPEN and any(one.verdict != OPEN for one in concerned):
+    rest = gravest(limit_verdict.verdict for limit_verdict in concerned if limit_verdict.verdict != OPEN)
+    if check.verdict == OPEN and any(limit_verdict.verdict != OPEN for limit_verdict in concerned):
         named = phrase("{verdict}; not judged: {limits}", verdict=phrase(rest), limits=", ".join(grave))
     if not grave and check.run_up is not None:
-        steady, starts = gravest(one.verdict for one in concerned), map(as_words, check.run_up.names(check.verdict))
+        steady, starts = (
+            gravest(limit_verdict.verdict for limit_verdict in concerned),
+            map(as_words, check.run_up.names(check.verdict)),
+        )
         template = "{verdict}; starts {finding}: {limits}"
         named = phrase(template, verdict=phrase(steady), finding=phrase(check.verdict), limits=", ".join(starts))
-    (most, *_) = sorted(concerned, key=lambda one: -(one.worst_utilisation or 0.0))
+    (most, *_) = sorted(concerned, key=lambda limit_verdict: -(limit_verdict.worst_utilisation or 0.0))
     return (
         named if check.verdict in (FAIL, OPEN) else check.verdict,
         permitted_words(check.permitted),
@@ -262,8 +267,8 @@ def _not_examined(subject: ReportData) -> Iterator[Text]:
         unused = list(unexamined(subject.model, subject.titles, judged))
         if unused and len(subject.model.axes) > 1:
             yield (phrase("In no condition examined: {names}.", names=", ".join(unused)),)
-    found = subject.limit_conclusion
-    for text in found.left_out if found else ():
+    limits_judged = subject.limit_conclusion
+    for text in limits_judged.left_out if limits_judged else ():
         yield (f"{capital(text)}.",)
     yield from ((text,) for text in lacking_conditions(subject))
 
@@ -277,5 +282,5 @@ def lacking_conditions(subject: ReportData) -> Iterator[str]:
     for name, engine in subject.model.definition.excitations.items():
         states = [now[name] for _, now in conditions]
         fired = engine.kind == ENGINE and not engine.absorbs
-        if fired and not any(isinstance(one, EngineEntries) and one.has_lost_cylinder for one in states):
+        if fired and not any(isinstance(state, EngineEntries) and state.has_lost_cylinder for state in states):
             yield phrase("Misfire of {engine}: no condition of the model has it.", engine=as_words(name))

@@ -88,8 +88,8 @@ def _elements(rig: Drivetrain, title: str) -> TableBlock:
     shown = _alike(rig)
     rows = [row for group in shown[:MOST_ELEMENTS] for row in _rows(group, rig)]
     where = phrase(" in configuration {name}", name=title) if title else ""
-    found = table(phrase("Elements{where}; values in SI units", where=where), columns, rows)
-    return replace(found, more=sum(map(len, shown[MOST_ELEMENTS:])))
+    elements = table(phrase("Elements{where}; values in SI units", where=where), columns, rows)
+    return replace(elements, more=sum(map(len, shown[MOST_ELEMENTS:])))
 
 
 def _alike(rig: Drivetrain) -> list[list[Element]]:
@@ -135,8 +135,8 @@ def _values(element: Element, rig: Drivetrain) -> Iterator[tuple[Cell, Cell, Cel
             if number or isinstance(value, Name):
                 yield _property(name), _symbol(value), NumberText(number, 5), unit(expected_unit(spec.dimension))
         elif isinstance(spec, MultipleValues):
-            for key, one in value if isinstance(spec, TableByName) else enumerate(value, 1):
-                yield _property(name, key), *_of_table(spec.of, one, rig)
+            for key, entry in value if isinstance(spec, TableByName) else enumerate(value, 1):
+                yield _property(name, key), *_of_table(spec.of, entry, rig)
         elif isinstance(spec, Value):
             yield _property(name), "", NumberText(float(value), 5), unit(expected_unit(spec.dimension))
         elif isinstance(spec, REPORTED_ENTRIES) and value != ():
@@ -149,11 +149,11 @@ def _in_words(
     element: Element, name: str, spec: Spec[object], value: Any, rig: Drivetrain
 ) -> Iterator[tuple[Cell, Cell, Cell, Cell]]:
     """Cells of property, symbol, value and unit for an entry of several values or of words."""
-    found = [(path, one, of) for path, _, one, of in element.expressions() if path[0] == name]
-    for path, one, of in found:
-        number = NumberText(float(one.evaluate(rig.exact_values)), 5)
-        yield _property(*path), _symbol(one), number, unit(expected_unit(of)) if of else "SI"
-    if not found:
+    expressions = [(path, expression, of) for path, _, expression, of in element.expressions() if path[0] == name]
+    for path, expression, of in expressions:
+        number = NumberText(float(expression.evaluate(rig.exact_values)), 5)
+        yield _property(*path), _symbol(expression), number, unit(expected_unit(of)) if of else "SI"
+    if not expressions:
         yield _property(name), "", in_words(spec, value), "–"
 
 
@@ -342,12 +342,12 @@ def _operating_points(cases: tuple[Case, ...]) -> list[Block]:
     for case in cases:
         rig = case.drivetrain
         alike.setdefault((*rig.mean_speeds.items(), None, *rig.mean_torques.items()), []).append(case)
-    found: list[Block] = []
+    tables: list[Block] = []
     for group in alike.values():
         names = titles_of(group) if len(alike) > 1 else ""
         shown = _operating_point(group[0].drivetrain, phrase(", configuration {name}", name=names) if names else "")
-        found += [shown] if shown else []
-    return found
+        tables += [shown] if shown else []
+    return tables
 
 
 def _operating_point(rig: Drivetrain, where: str) -> TableBlock | None:

@@ -140,7 +140,9 @@ def _matrices(system: SymbolicSystem) -> list[Block]:
     dynamic = complex_stiffness(system)
     terms += [r"\mathbf{D}(\omega)\,\mathbf{q}"] if any(dynamic) else []
     loads = [r"\mathbf{B}\,\mathbf{u}"] if system.inputs else []
-    loads += [rf"{column_latex([latex(value) for value in one.row])}\,{_torque(one)}" for one in system.actions]
+    loads += [
+        rf"{column_latex([latex(value) for value in action.row])}\,{_torque(action)}" for action in system.actions
+    ]
     load = " + ".join(loads) or r"\mathbf{0}"
     q = to_latex(system, "q")
     blocks: list[Block] = [Paragraph(("In matrices:",))]
@@ -158,12 +160,12 @@ def _laws(system: SymbolicSystem) -> list[Block]:
     """Formulas of the torques of controllers, as Laplace transforms of their laws."""
     import sympy
 
-    found: list[Block] = []
-    for one in system.actions:
-        sensed = column_latex([latex(value) for value in one.sensed])
-        law = latex(one.law(sympy.Symbol("s")))
-        found.append(Formula(rf"{_torque(one)} = {law}\,{sensed}^{{\mathsf{{T}}}}\,{to_latex(system, 'q')}"))
-    return found
+    laws: list[Block] = []
+    for action in system.actions:
+        sensed = column_latex([latex(value) for value in action.sensed])
+        law = latex(action.law(sympy.Symbol("s")))
+        laws.append(Formula(rf"{_torque(action)} = {law}\,{sensed}^{{\mathsf{{T}}}}\,{to_latex(system, 'q')}"))
+    return laws
 
 
 def _torque(action: SymbolicAction) -> str:
@@ -182,15 +184,17 @@ def _numbers(subject: ReportData) -> list[Block]:
 
     A matrix that is the same in all cases stands once.
     """
-    found = [(key, [getattr(case.drivetrain.assembly.system, key) for case in subject.cases]) for key in MATRIX_UNITS]
+    of_cases = [
+        (key, [getattr(case.drivetrain.assembly.system, key) for case in subject.cases]) for key in MATRIX_UNITS
+    ]
     if (
         len(subject.cases) * subject.n_coordinates > MOST_MATRIX_ROWS
         or subject.n_coordinates > MOST_NUMERIC_COORDINATES
-        or any(_number_width(matrix) > WIDEST_NUMBER_MATRIX for _, all_of in found for matrix in all_of)
+        or any(_number_width(matrix) > WIDEST_NUMBER_MATRIX for _, all_of in of_cases for matrix in all_of)
     ):
         return _entries(subject)
     rows = []
-    for key, matrices in found:
+    for key, matrices in of_cases:
         alike = all(np.array_equal(matrices[0], other) for other in matrices[1:])
         shown = [("all" if len(matrices) > 1 else "", matrices[0])] if alike else [
             (case.title, matrix) for case, matrix in zip(subject.cases, matrices, strict=True)
@@ -248,9 +252,9 @@ def _entries(subject: ReportData) -> list[Block]:
     where = phrase(" in configuration {name}", name=case.title) if case.title else ""
     notes: list[Cell] = ["The matrices are symmetric: entries below the diagonal are those above it."]
     notes += ["In other configurations other values and ratios take their places."] if len(subject.cases) > 1 else []
-    notes += [COMPLEX_NOTE] if any(one.drivetrain.assembly.system.dynamic for one in subject.cases) else []
+    notes += [COMPLEX_NOTE] if any(case.drivetrain.assembly.system.dynamic for case in subject.cases) else []
     notes.append(_export())
-    found = table(
+    entries = table(
         phrase("Entries of the matrices of inertia, viscous damping and stiffness{where}", where=where),
         columns,
         rows,
@@ -258,9 +262,9 @@ def _entries(subject: ReportData) -> list[Block]:
         most=MOST_ENTRIES,
     )
     if len(rows) <= MOST_UNFOLDED_ENTRIES:
-        return [found]
+        return [entries]
     text = phrase("{count} entries of M, C and K are not zero", count=len(rows))
-    return [Details((text,), (found,), (text, "; the report as HTML lists them. ", *_export()))]
+    return [Details((text,), (entries,), (text, "; the report as HTML lists them. ", *_export()))]
 
 
 def _export() -> Text:

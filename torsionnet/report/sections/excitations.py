@@ -102,24 +102,24 @@ def _shown(spec: Spec[object], value: Any) -> tuple[Cell, Cell]:
         return NumberText(float(value), 6), unit(expected_unit(spec.dimension))
     if isinstance(value, PressureTrace):
         return as_words(str(value)), "–"
-    if isinstance(spec, TableByPressure) and all(isinstance(one, PressureTrace) for one in value.values()):
-        return as_words("; ".join(f"at {pressure / 1e5:.6g} bar {one}" for pressure, one in value.items())), "–"
+    if isinstance(spec, TableByPressure) and all(isinstance(entry, PressureTrace) for entry in value.values()):
+        return as_words("; ".join(f"at {pressure / 1e5:.6g} bar {entry}" for pressure, entry in value.items())), "–"
     if isinstance(value, tuple) and len(value) > LONGEST_LIST:
         return phrase(
             "{count} values between {low:.6g} and {high:.6g}", count=len(value), low=min(value), high=max(value)
         ), "SI"
-    if isinstance(value, Mapping) and value and all(isinstance(one, Declared) for one in value.values()):
-        return "; ".join(f"{_text(key)}: {_given(one)}" for key, one in value.items()), "–"
+    if isinstance(value, Mapping) and value and all(isinstance(entry, Declared) for entry in value.values()):
+        return "; ".join(f"{_text(key)}: {_given(entry)}" for key, entry in value.items()), "–"
     return _text(spec.plain(value)), "–"
 
 
 def _given(entry: Declared) -> str:
     """Text with the names and values of what is given of one of several entries, each number with its unit."""
     absent = dict(entry.defaults())
-    found = ((name, spec, getattr(entry, name)) for name, spec in entry.specs())
+    entries = ((name, spec, getattr(entry, name)) for name, spec in entry.specs())
     return ", ".join(
         f"{as_words(name)} {_with_unit(spec, value)}"
-        for name, spec, value in found
+        for name, spec, value in entries
         if value not in (None, absent.get(name))
     )
 
@@ -134,7 +134,7 @@ def _with_unit(spec: Spec[object], value: Any) -> str:
 
 def _text(value: Any) -> str:
     if isinstance(value, Mapping):
-        return "; ".join(f"{key}: {_text(one)}" for key, one in value.items())
+        return "; ".join(f"{key}: {_text(inner)}" for key, inner in value.items())
     if isinstance(value, list | tuple):
         return ", ".join(map(_text, value))
     return f"{value:.6g}" if isinstance(value, float) else as_words(str(value))
@@ -223,4 +223,4 @@ def harmonics_section(subject: ReportData) -> Section | None:
 
 def _first_acting(subject: ReportData, name: str) -> Case | None:
     """First configuration in which an excitation acts; None where it never does."""
-    return next((one for one in subject.judged_cases if one.drivetrain.definition.excitations[name].enabled), None)
+    return next((case for case in subject.judged_cases if case.drivetrain.definition.excitations[name].enabled), None)

@@ -62,22 +62,22 @@ WORST_COLUMNS = (
 
 def forced_response_section(subject: ReportData) -> Section | None:
     """Section of a report on forced response over speed against limits; None for a model without limits."""
-    found = subject.limit_conclusion
-    if found is None:
+    judged = subject.limit_conclusion
+    if judged is None:
         return None
-    tables = (normal_response(subject), *_worst(subject, found), further_response(subject))
-    blocks: list[Block] = [Paragraph((INTRODUCTION,)), *(one for one in tables if one is not None)]
-    blocks += [_free_end(subject), *_families(subject, found)]
+    tables = (normal_response(subject), *_worst(subject, judged), further_response(subject))
+    blocks: list[Block] = [Paragraph((INTRODUCTION,)), *(block for block in tables if block is not None)]
+    blocks += [_free_end(subject), *_families(subject, judged)]
     return Section("forced_response", ("Forced response",), tuple(blocks))
 
 
-def _families(subject: ReportData, found: LimitConclusion) -> list[Picture]:
+def _families(subject: ReportData, judged: LimitConclusion) -> list[Picture]:
     """Pictures of all components with limits on vibration, over speed in every condition."""
     from torsionnet.plot.limit_plot import families_of, limit_families
 
-    names = list(dict.fromkeys(family.members[0][1][0].limit for family in families_of(found.checks)))
+    names = list(dict.fromkeys(family.members[0][1][0].limit for family in families_of(judged.checks)))
     parts = [names[start : start + MOST_PANELS] for start in range(0, len(names), MOST_PANELS)]
-    count = len(found.checks)
+    count = len(judged.checks)
     where = (
         phrase(" in all {count} conditions examined: the worst black and named, the others grey", count=count)
         if count > 1
@@ -85,7 +85,7 @@ def _families(subject: ReportData, found: LimitConclusion) -> list[Picture]:
     )
     pictures = []
     for number, part in enumerate(parts, 1):
-        drawn = limit_families(found.checks, part, conventions=subject.conventions)
+        drawn = limit_families(judged.checks, part, conventions=subject.conventions)
         those = ", ".join(map(as_words, part))
         caption = (
             phrase(
@@ -103,18 +103,18 @@ def _families(subject: ReportData, found: LimitConclusion) -> list[Picture]:
     return pictures
 
 
-def _worst(subject: ReportData, found: LimitConclusion) -> list[TableBlock]:
+def _worst(subject: ReportData, judged: LimitConclusion) -> list[TableBlock]:
     """Table of every limit on vibration in its worst condition, with all cylinders working and with one out."""
     groups = []
     excitations = subject.model.definition.excitations.values()
     for words, misfiring in (("All cylinders working", False), ("With a cylinder out", True)):
         title = in_words_of(excitations, words)
         worst: dict[tuple[str, str], tuple[LimitCheck, LimitVerdict]] = {}
-        for check in found.checks:
-            for one in vibratory_verdicts(check) if check.misfiring is misfiring else ():
-                known = worst.get((one.limit, one.quantity))
-                if one.worst is not None and (known is None or _use(one) > _use(known[1])):
-                    worst[one.limit, one.quantity] = (check, one)
+        for check in judged.checks:
+            for limit_verdict in vibratory_verdicts(check) if check.misfiring is misfiring else ():
+                known = worst.get((limit_verdict.limit, limit_verdict.quantity))
+                if limit_verdict.worst is not None and (known is None or _use(limit_verdict) > _use(known[1])):
+                    worst[limit_verdict.limit, limit_verdict.quantity] = (check, limit_verdict)
         if worst:
             groups.append(Group(tuple(_worst_row(subject, *pair) for pair in worst.values()), title))
     if not groups:
@@ -130,23 +130,23 @@ def _worst(subject: ReportData, found: LimitConclusion) -> list[TableBlock]:
     ]
 
 
-def _use(one: LimitVerdict) -> float:
-    return -1.0 if one.worst is None else float(one.utilisation[one.worst])
+def _use(limit_verdict: LimitVerdict) -> float:
+    return -1.0 if limit_verdict.worst is None else float(limit_verdict.utilisation[limit_verdict.worst])
 
 
-def _worst_row(subject: ReportData, check: LimitCheck, one: LimitVerdict) -> tuple[Cell, ...]:
+def _worst_row(subject: ReportData, check: LimitCheck, limit_verdict: LimitVerdict) -> tuple[Cell, ...]:
     """Row of a limit at its worst speed in one condition."""
-    at = one.worst
+    at = limit_verdict.worst
     assert at is not None
     return (
-        (as_words(one.limit), " ", criterion_cell(one.criterion)),
-        condition_cell(subject, check, as_words(one.case)),
+        (as_words(limit_verdict.limit), " ", criterion_cell(limit_verdict.criterion)),
+        condition_cell(subject, check, as_words(limit_verdict.case)),
         NumberText(float(check.rpm[at]), 4),
-        limit_number(float(one.values[at]), one.unit, subject.conventions),
-        limit_number(float(one.allowed[at]), one.unit, subject.conventions),
-        limit_unit(one.unit, subject.conventions),
-        NumberText(100 * float(one.utilisation[at]), DIGITS),
-        orders_cell(subject, check, one, at),
+        limit_number(float(limit_verdict.values[at]), limit_verdict.unit, subject.conventions),
+        limit_number(float(limit_verdict.allowed[at]), limit_verdict.unit, subject.conventions),
+        limit_unit(limit_verdict.unit, subject.conventions),
+        NumberText(100 * float(limit_verdict.utilisation[at]), DIGITS),
+        orders_cell(subject, check, limit_verdict, at),
     )
 
 
@@ -310,7 +310,7 @@ def _scenario(subject: ReportData, case: Case, name: str) -> Iterator[Block]:
         )
         return
     words = case.drivetrain.definition.scenarios[name].words
-    yield Paragraph(tuple(extended(capital(str(one)), ". ") for one in (words, *record.notes)))
+    yield Paragraph(tuple(extended(capital(str(words_or_note)), ". ") for words_or_note in (words, *record.notes)))
     yield results_table(
         peak_table(record, ""),
         phrase("Peaks in the scenario {name}{where}", name=name, where=where),

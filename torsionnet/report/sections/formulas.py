@@ -80,12 +80,12 @@ def _forms(subject: ReportData) -> tuple[SymbolicEquations, ...]:
 
 def _function(subject: ReportData, pair: Pair, form: SymbolicEquations) -> list[Block]:
     try:
-        found = form.system.transfer_function(pair.output, pair.input, pair.excitation or None)
-        operations = found.program.operations
+        function = form.system.transfer_function(pair.output, pair.input, pair.excitation or None)
+        operations = function.program.operations
     except UsageError as error:
         return [Paragraph((phrase("Not written in symbols: {reason}.", reason=error),))]
     rig = form.cases[0].drivetrain
-    blocks: list[Block] = [Paragraph(_introduction(found, rig))]
+    blocks: list[Block] = [Paragraph(_introduction(function, rig))]
     asked = pair in subject.request.pairs
     if operations > (MOST_OPERATIONS if asked else FORMULA_OPERATIONS):
         text = phrase("Written out it takes {count} additions, multiplications and divisions", count=operations)
@@ -99,30 +99,30 @@ def _function(subject: ReportData, pair: Pair, form: SymbolicEquations) -> list[
     if (
         small
         and operations <= FORMULA_OPERATIONS
-        and found.nested_leaves <= 10 * FORMULA_OPERATIONS
-        and formula_letters(found.mechanical) <= WIDEST_FORMULA
+        and function.nested_leaves <= 10 * FORMULA_OPERATIONS
+        and formula_letters(function.mechanical) <= WIDEST_FORMULA
     ):
-        blocks.append(Formula(rf"{quotient_latex(pair)} = {latex(found.mechanical)}"))
-        blocks += [*_polynomial(found, pair, form.cases), _limits(found, pair)]
+        blocks.append(Formula(rf"{quotient_latex(pair)} = {latex(function.mechanical)}"))
+        blocks += [*_polynomial(function, pair, form.cases), _limits(function, pair)]
         return blocks
-    return [*blocks, *_steps(found, pair, limits=small)]
+    return [*blocks, *_steps(function, pair, limits=small)]
 
 
-def _introduction(found: TransferFunction, rig: Drivetrain) -> Text:
-    output, into = found.channels
+def _introduction(function: TransferFunction, rig: Drivetrain) -> Text:
+    output, into = function.channels
     response = FrequencyResponse(np.empty(0), np.empty((0, 1, 1), dtype=complex), (output,), (into,))
     lead = (
         f"{capital(response.kind())} in {unit(response.unit())}."
         if response.unit() != "1"
         else f"{capital(response.kind())}."
     )
-    return sentence(" ".join([lead, *(f"{capital(note)}." for note in found.notes)]), rig)
+    return sentence(" ".join([lead, *(f"{capital(note)}." for note in function.notes)]), rig)
 
 
-def _polynomial(found: TransferFunction, pair: Pair, cases: tuple[Case, ...]) -> list[Block]:
-    if delays_of(found.used_tables):  # which are no polynomials in s
+def _polynomial(function: TransferFunction, pair: Pair, cases: tuple[Case, ...]) -> list[Block]:
+    if delays_of(function.used_tables):  # which are no polynomials in s
         return []
-    quotient = rational(found)  # of any length; what is too long is not written
+    quotient = rational(function)  # of any length; what is too long is not written
     order = len(quotient.denominator) - 1
     if order > MOST_ORDER or max(map(_terms, (*quotient.numerator, *quotient.denominator))) > MOST_TERMS:
         text = phrase(
@@ -180,13 +180,13 @@ def _exact(value: Any) -> bool:
     return not isinstance(value, float)
 
 
-def _limits(found: TransferFunction, pair: Pair) -> TableBlock:
+def _limits(function: TransferFunction, pair: Pair) -> TableBlock:
     arrow = {"low": r"s \to 0", "high": r"s \to \infty"}
-    static, low = found.static_gain, found.low_frequency
+    static, low = function.static_gain, function.low_frequency
     rows: list[tuple[Cell, ...]] = [("Static value", _limit(static))]
     rows += [(("Low frequency, ", Math(arrow["low"])), _limit(low))] if low != static else []
-    if not delays_of(found.used_tables):  # with a delay there is no leading term
-        rows.append((("High frequency, ", Math(arrow["high"])), _limit(found.high_frequency)))
+    if not delays_of(function.used_tables):  # with a delay there is no leading term
+        rows.append((("High frequency, ", Math(arrow["high"])), _limit(function.high_frequency)))
     return table(("Limits of ", Math(pair_latex(pair))), (Heading("Limit"), Heading("Leading term", wide=True)), rows)
 
 
@@ -201,8 +201,8 @@ def _limit(expression: Any) -> Cell:
     return BreakableMath(tuple(sum_terms(expression)))
 
 
-def _steps(found: TransferFunction, pair: Pair, *, limits: bool) -> list[Block]:
-    names, result = found.program.where()
+def _steps(function: TransferFunction, pair: Pair, *, limits: bool) -> list[Block]:
+    names, result = function.program.where()
     above, below = sympy.fraction(result)
     names = {**names, sympy.Symbol("N"): above, sympy.Symbol("D"): below}
     rows = [(Math(symbol_latex(str(name))), BreakableMath(tuple(sum_terms(value)))) for name, value in names.items()]
@@ -211,7 +211,7 @@ def _steps(found: TransferFunction, pair: Pair, *, limits: bool) -> list[Block]:
         table(("Steps of ", Math(pair_latex(pair))), columns, rows),
         Formula(rf"{quotient_latex(pair)} = \frac{{N}}{{D}}"),
     ]
-    after: list[Block] = [_limits(found, pair)] if limits else []
+    after: list[Block] = [_limits(function, pair)] if limits else []
     if len(rows) <= MOST_UNFOLDED_STEPS:
         return [Paragraph(("Written in steps, each of which uses those before it:",)), *steps, *after]
     title: Text = (phrase("{count} steps, each of which uses those before it", count=len(rows)),)
@@ -270,7 +270,9 @@ def simplified_section(subject: ReportData) -> Section | None:
 
 def _pair(subject: ReportData, pair: Pair, tolerance: float) -> list[Block]:
     try:
-        found = {case.title: _simplified(subject, number, pair, tolerance) for number, case in enumerate(subject.cases)}
+        simplified = {
+            case.title: _simplified(subject, number, pair, tolerance) for number, case in enumerate(subject.cases)
+        }
     except UsageError as error:
         return [Paragraph((phrase("Not simplified: {reason}.", reason=error),))]
     rows: list[tuple[Cell, ...]] = [
@@ -282,10 +284,10 @@ def _pair(subject: ReportData, pair: Pair, tolerance: float) -> list[Block]:
                 for error in (100 * short.errors.omega, 100 * short.errors.zeta, short.errors.decibels)
             ),
         )
-        for configuration, short in found.items()
+        for configuration, short in simplified.items()
     ]
     formulas: dict[str, list[str]] = {}
-    for configuration, short in found.items():
+    for configuration, short in simplified.items():
         written = short.transfer_function.mechanical
         text = latex(written) if formula_letters(written) <= WIDEST_FORMULA else ""
         formulas.setdefault(text, []).append(configuration)

@@ -56,11 +56,11 @@ def installation_section(subject: ReportData) -> Section | None:
     columns = (Heading("Machine"), Heading("Data", wide=True), Heading("Source or remark", wide=True))
     notes = [phrase("Where no source is named: {source}.", source=model.source.strip())] if model.source else []
     blocks: list[Block] = [table("Machines, couplings and dampers", columns, rows, notes)] if rows else []
-    for case, found in _balances(subject):
+    for case, balance in _balances(subject):
         several = len(subject.cases) > 1 and case.configuration
         blocks += [
-            _rated(found),
-            _line(subject, case, found, f", {case.title}" if several else ""),
+            _rated(balance),
+            _line(subject, case, balance, f", {case.title}" if several else ""),
         ]
     blocks += _ratings(subject)
     return Section("installation", ("Installation",), tuple(blocks)) if blocks else None
@@ -68,17 +68,17 @@ def installation_section(subject: ReportData) -> Section | None:
 
 def _balances(subject: ReportData) -> list[tuple[Case, PowerBalance]]:
     """Balances of power of configurations without a cylinder out, each once, at rated speed where it is known."""
-    found: list[tuple[Case, PowerBalance]] = []
+    balances: list[tuple[Case, PowerBalance]] = []
     shown: list[object] = []
     for case in all_working(subject.cases):
         balance = _balance(case)
         if balance is None or balance.taken <= LEAST_POWER_SHARE * balance.given:  # as with a brake on
             continue
-        torques = [(one.element, one.port, round(one.torque or 0.0, 6)) for one in balance.state.loads]
-        if torques not in shown and len(found) < MOST_LOADS:
+        torques = [(load.element, load.port, round(load.torque or 0.0, 6)) for load in balance.state.loads]
+        if torques not in shown and len(balances) < MOST_LOADS:
             shown.append(torques)
-            found.append((case, balance))
-    return found
+            balances.append((case, balance))
+    return balances
 
 
 def _balance(case: Case) -> PowerBalance | None:
@@ -92,43 +92,43 @@ def _balance(case: Case) -> PowerBalance | None:
     return None
 
 
-def _rated(found: PowerBalance) -> Paragraph:
+def _rated(powers: PowerBalance) -> Paragraph:
     """Paragraph with power and torque at the speed of the reference shaft, and the sums of power given and taken."""
-    state = found.state
+    state = powers.state
     speed = quantity_text(abs(state.speed), "speed")
     balance = phrase(
         "given {power}, absorbed {other}",
-        power=quantity_text(found.given, "power"),
-        other=quantity_text(found.taken, "power"),
+        power=quantity_text(powers.given, "power"),
+        other=quantity_text(powers.taken, "power"),
     )
-    if abs(found.given - found.taken) <= LEAST_POWER_SHARE * found.given:
+    if abs(powers.given - powers.taken) <= LEAST_POWER_SHARE * powers.given:
         more = phrase(": in balance")
     else:
-        more = phrase(", a difference of {power}", power=quantity_text(found.given - found.taken, "power"))
+        more = phrase(", a difference of {power}", power=quantity_text(powers.given - powers.taken, "power"))
     text = phrase(
         "{power} at {speed} of {node}, torque there {torque} (T = P/ω). Powers: {balance}.",
-        power=quantity_text(found.taken, "power"),
+        power=quantity_text(powers.taken, "power"),
         speed=speed,
         node=as_words(state.reference),
-        torque=quantity_text(found.torque, "torque"),
+        torque=quantity_text(powers.torque, "torque"),
         balance=joined("", (balance, more)),
     )
     return Paragraph((Strong("Rated torque"), ": ", text))
 
 
-def _line(subject: ReportData, case: Case, found: PowerBalance, where: str) -> TableBlock:
+def _line(subject: ReportData, case: Case, balance: PowerBalance, where: str) -> TableBlock:
     """Table of speed, mean torque, stress and power of every element that passes torque on, along the line."""
-    state = found.state
-    largest = max((abs(one.torque or 0.0) for one in state.loads), default=0.0)
+    state = balance.state
+    largest = max((abs(load.torque or 0.0) for load in state.loads), default=0.0)
     whole = state.table(subject.conventions)
     order = _order(case)
     kept = [
-        (order.get(one.port, len(order)), row)
-        for one, row in zip(state.loads, whole.rows, strict=True)
-        if abs(one.torque or 0.0) > LEAST_TORQUE_SHARE * largest
+        (order.get(load.port, len(order)), row)
+        for load, row in zip(state.loads, whole.rows, strict=True)
+        if abs(load.torque or 0.0) > LEAST_TORQUE_SHARE * largest
     ]
-    rows = tuple(row for _, row in sorted(kept, key=lambda one: one[0]))
-    names = [one.name for one in whole.columns]
+    rows = tuple(row for _, row in sorted(kept, key=lambda pair: pair[0]))
+    names = [column.name for column in whole.columns]
     chosen = replace(whole, rows=rows).chosen([names.index(name) for name in COLUMNS])
     caption = phrase(
         "Speed, mean torque and power along the line at {speed:.6g} rpm{where}",
@@ -136,7 +136,7 @@ def _line(subject: ReportData, case: Case, found: PowerBalance, where: str) -> T
         where=where,
     )
     block = results_table(chosen, caption, notes=False)
-    return replace(block, notes=((_outside(found),), _checked(found)))
+    return replace(block, notes=((_outside(balance),), _checked(balance)))
 
 
 def _order(case: Case) -> dict[str, int]:
@@ -147,10 +147,10 @@ def _order(case: Case) -> dict[str, int]:
         return {}
 
 
-def _outside(found: PowerBalance) -> str:
+def _outside(balance: PowerBalance) -> str:
     """Sentence on the torques that act from outside, equal ones together."""
     equal: dict[str, list[str]] = {}
-    for node, torque in found.state.external.items():
+    for node, torque in balance.state.external.items():
         equal.setdefault(quantity_text(torque, "torque"), []).append(as_words(node))
     each = (
         phrase("{torque} each", torque=f"{first_names(nodes)} {text}") if len(nodes) > 1 else f"{nodes[0]} {text}"
@@ -159,12 +159,12 @@ def _outside(found: PowerBalance) -> str:
     return phrase("From outside act: {torques}.", torques=joined("; ", each))
 
 
-def _checked(found: PowerBalance) -> Text:
+def _checked(balance: PowerBalance) -> Text:
     """Sentence on the powers along the line: P = T omega, and whether gears pass on what they get."""
-    loads, text = found.state.loads, "P = T ω at every place."
-    if len({one.element for one in loads}) == len(loads):
+    loads, text = balance.state.loads, "P = T ω at every place."
+    if len({load.element for load in loads}) == len(loads):
         return (text,)
-    loss, share = found.largest_loss, found.largest_loss / (found.given or 1.0)
+    loss, share = balance.largest_loss, balance.largest_loss / (balance.given or 1.0)
     if share <= LEAST_POWER_SHARE:
         return text, " Every gear gives as much power as it takes."
     return text, phrase(" A gear gives {power} less or more than it takes.", power=quantity_text(loss, "power"))
@@ -173,7 +173,9 @@ def _checked(found: PowerBalance) -> Text:
 def _ratings(subject: ReportData) -> list[Block]:
     """Blocks on whether the ratings that machines and load state agree with each other."""
     external = subject.cases[0].drivetrain.external_torques
-    stated = [one.rating for one in external.definition.excitations.values() if one.rating is not None]
+    stated = [
+        excitation.rating for excitation in external.definition.excitations.values() if excitation.rating is not None
+    ]
     if not stated or not external.rated_speed or external.definition.load is None:
         return []
     faults = [f"{capital(as_words(fault.message))}." for fault in rating_mismatches(external)]
@@ -227,27 +229,27 @@ def mass_elastic_section(subject: ReportData) -> Section | None:
     return Section("mass_elastic", ("Mass-elastic data",), (replace(block, notes=notes),))
 
 
-def _block(found: MassElasticTable, where: str) -> TableBlock:
+def _block(sheet: MassElasticTable, where: str) -> TableBlock:
     """Table of all masses, each with the shaft to the next one, with a group of rows for every branch, and sums."""
-    whole, materials = _with_letters(found.table())
-    if found.has_one_speed:
-        whole = whole.chosen([place for place, one in enumerate(whole.columns) if one.name not in REFERRED])
-    reference = as_words(found.referred_to)
+    whole, materials = _with_letters(sheet.table())
+    if sheet.has_one_speed:
+        whole = whole.chosen([place for place, column in enumerate(whole.columns) if column.name not in REFERRED])
+    reference = as_words(sheet.referred_to)
     speed = (
         phrase("all turn at the speed of {node}", node=reference)
-        if found.has_one_speed
+        if sheet.has_one_speed
         else phrase("referred to {node}", node=reference)
     )
     caption = phrase("Masses and shafts{where}; {speed}", where=where, speed=speed)
     block = results_table(whole, caption, notes=False, heads=lambda name: SHORT_HEADINGS.get(name, capital(name)))
     rows = [tuple(map(_plain, row)) for row in block.groups[0].rows]
-    ends = [0, *accumulate(len(line.rows) for line in found.lines)]
-    titles = [capital(as_words(line.title)) if len(found.lines) > 1 else "" for line in found.lines]
+    ends = [0, *accumulate(len(line.rows) for line in sheet.lines)]
+    titles = [capital(as_words(line.title)) if len(sheet.lines) > 1 else "" for line in sheet.lines]
     groups = [
         TableGroup(tuple(rows[first:last]), title) for title, first, last in zip(titles, ends, ends[1:], strict=False)
     ]
-    groups[-1] = replace(groups[-1], rows=(*groups[-1].rows, _sum_row(found, block)))
-    return replace(block, groups=tuple(groups), notes=tuple(_notes(found, block, materials)))
+    groups[-1] = replace(groups[-1], rows=(*groups[-1].rows, _sum_row(sheet, block)))
+    return replace(block, groups=tuple(groups), notes=tuple(_notes(sheet, block, materials)))
 
 
 def _with_letters(whole: Table) -> tuple[Table, dict[str, str]]:
@@ -267,34 +269,36 @@ def _plain(cell: Cell) -> Cell:
     return "" if cell.value is None else NumberText(cell.value, cell.digits)
 
 
-def _sum_row(found: MassElasticTable, block: TableBlock) -> tuple[Cell, ...]:
+def _sum_row(sheet: MassElasticTable, block: TableBlock) -> tuple[Cell, ...]:
     """Row with the sum of the inertias below the column that is referred to one shaft."""
-    wanted = HEADING_SYMBOLS["J" if found.has_one_speed else "J referred"]
-    place = next(at for at, one in enumerate(block.columns) if one.text == wanted)
+    wanted = HEADING_SYMBOLS["J" if sheet.has_one_speed else "J referred"]
+    place = next(at for at, column in enumerate(block.columns) if column.text == wanted)
     cells: list[Cell] = [""] * len(block.columns)
-    cells[1], cells[place] = "Sum", NumberText(found.total_inertia, 5)
+    cells[1], cells[place] = "Sum", NumberText(sheet.total_inertia, 5)
     return tuple(cells)
 
 
-def _notes(found: MassElasticTable, block: TableBlock, materials: dict[str, str]) -> Iterator[Text]:
-    shown = {one.text for one in block.columns}
+def _notes(sheet: MassElasticTable, block: TableBlock, materials: dict[str, str]) -> Iterator[Text]:
+    shown = {column.text for column in block.columns}
     meanings = (
         (Math(r"c_{\mathrm{abs}}"), ": absolute damping, against the ground"),
         (Math(r"c_{\mathrm{rel}}"), ": relative damping, between a mass and the next one"),
         (Math(r"\eta"), ": its loss factor"),
         (Math("W_{p}"), ": polar section modulus"),
-        (Math("n"), phrase(": speed over that of {node}", node=as_words(found.referred_to))),
+        (Math("n"), phrase(": speed over that of {node}", node=as_words(sheet.referred_to))),
     )
     legend = [part for symbol, text in meanings if symbol in shown for part in ("; ", symbol, text)]
     if legend:
         yield (*legend[1:], ".")
-    for line in found.lines:
+    for line in sheet.lines:
         if line.flexibility:
-            where = joined("", (", ", as_words(line.title))) if len(found.lines) > 1 else ""
+            where = joined("", (", ", as_words(line.title))) if len(sheet.lines) > 1 else ""
             size = NumberText(line.flexibility, 5)
             # The unit of the table's columns of stiffness.
-            shafts = [(row.shaft.stiffness, row.referred_stiffness) for row in found.rows if row.shaft is not None]
-            prefix, factor = prefix_of("N*m/rad", max(size for one in shafts for size in one if math.isfinite(size)))
+            shafts = [(row.shaft.stiffness, row.referred_stiffness) for row in sheet.rows if row.shaft is not None]
+            prefix, factor = prefix_of(
+                "N*m/rad", max(size for shaft in shafts for size in shaft if math.isfinite(size))
+            )
             stiffness = NumberText(1 / line.flexibility / factor, 5)
             yield (
                 phrase("Sum of 1/k, referred{where}: ", where=where),
@@ -304,9 +308,11 @@ def _notes(found: MassElasticTable, block: TableBlock, materials: dict[str, str]
                 f" {unit(prefix + 'N*m/rad')}.",
             )
     if materials:
-        each = (phrase("{letter}: {material}", letter=letter, material=one) for one, letter in materials.items())
+        each = (
+            phrase("{letter}: {material}", letter=letter, material=material) for material, letter in materials.items()
+        )
         yield (joined("; ", each), ".")
-    for note in (*found.shares_of_shafts(), *found.divided(), *found.notes):
+    for note in (*sheet.shares_of_shafts(), *sheet.divided(), *sheet.notes):
         yield (capital(as_words(note)), ".")
 
 
@@ -320,7 +326,7 @@ def _changes(tables: Sequence[MassElasticTable], names: Sequence[str], titles: C
         now = _values(other)
         absent = dict.fromkeys(about for _, about in written if (_, about) not in now)
         added = dict.fromkeys(about for _, about in now if (_, about) not in written)
-        for text in [f"Without {as_words(one)}" for one in absent] + [f"With {as_words(one)}" for one in added]:
+        for text in [f"Without {as_words(part)}" for part in absent] + [f"With {as_words(part)}" for part in added]:
             places.setdefault(text, []).append(name)
         if (total := _inertia_text(other)) != _inertia_text(tables[0]):
             sums.setdefault(total, []).append(name)
@@ -335,26 +341,28 @@ def _changes(tables: Sequence[MassElasticTable], names: Sequence[str], titles: C
     for (quantity, about, text), changed_in in values.items():
         shared.setdefault(tuple(changed_in), {}).setdefault(quantity, {}).setdefault(text, []).append(as_words(about))
     for conditions, quantities in shared.items():
-        parts = joined("; ", (_change(quantity, found) for quantity, found in quantities.items()))
+        parts = joined("; ", (_change(quantity, values_now) for quantity, values_now in quantities.items()))
         said = parts if parts[1] == " " else capital(parts)
         yield (phrase("{changes} in {conditions}.", changes=said, conditions=titles.several(conditions, names)),)
 
 
-def _inertia_text(found: MassElasticTable) -> str:
+def _inertia_text(sheet: MassElasticTable) -> str:
     """Text of the sum of all inertias, in as many digits as in its row of the table."""
-    return f"{NumberText(found.total_inertia, 5)} {unit('kg*m^2')}"
+    return f"{NumberText(sheet.total_inertia, 5)} {unit('kg*m^2')}"
 
 
-def _change(quantity: str, found: dict[str, list[str]]) -> str:
+def _change(quantity: str, places_of_values: dict[str, list[str]]) -> str:
     """Clause with the values of one quantity, each with all masses or shafts that have it."""
-    each = (phrase("of {names}: {value}", names=", ".join(about), value=text) for text, about in found.items())
+    each = (
+        phrase("of {names}: {value}", names=", ".join(about), value=text) for text, about in places_of_values.items()
+    )
     return joined(" ", (phrase(quantity), joined("; ", each)))
 
 
-def _values(found: MassElasticTable) -> dict[tuple[str, str], str]:
+def _values(sheet: MassElasticTable) -> dict[tuple[str, str], str]:
     """Text of every value of a mass-elastic table, by its column and the mass or shaft it is of."""
     texts: dict[tuple[str, str], str] = {}
-    whole = found.table()
+    whole = sheet.table()
     for row in whole.rows:
         for column, value in zip(whole.columns[2:], row[2:], strict=True):
             about = str(row[1] if column.name in OF_MASSES else row[6])

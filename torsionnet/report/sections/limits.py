@@ -44,37 +44,39 @@ MOST_ROWS = 24
 
 def limits_section(subject: ReportData) -> Section | None:
     """Section of a report on stresses and limits; None for a model without limits."""
-    found = subject.limit_conclusion
-    if found is None:
+    judged = subject.limit_conclusion
+    if judged is None:
         return None
     blocks: list[Block] = [
-        verdict(found),
-        conclusion(subject, found),
-        *instruction_blocks(subject, found),
+        verdict(judged),
+        conclusion(subject, judged),
+        *instruction_blocks(subject, judged),
         *engine_remarks(subject),
     ]
-    names = list(dict.fromkeys(one.limit for check in found.checks for one in check.verdicts))
-    blocks += [_verdicts(subject, found, name) for name in names]
+    names = list(dict.fromkeys(limit_verdict.limit for check in judged.checks for limit_verdict in check.verdicts))
+    blocks += [_verdicts(subject, judged, name) for name in names]
     for number, name in enumerate(names[:MOST_DRAWN], 1):
-        blocks += _picture(subject, found, name, number)
-    blocks += _rules(subject, found)
+        blocks += _picture(subject, judged, name, number)
+    blocks += _rules(subject, judged)
     return Section("limits", ("Stresses and limits",), tuple(blocks))
 
 
-def verdict(found: LimitConclusion) -> Paragraph:
+def verdict(judged: LimitConclusion) -> Paragraph:
     """Paragraph with the verdict on the model's limits, and first of all what was not examined."""
-    said = (text for finding in found.findings for text in (" ", capital(as_words(finding)), "."))
-    return Paragraph((Strong("Verdict on stresses and limits:"), " ", Strong(found.verdict), ".", *said))
+    said = (text for finding in judged.findings for text in (" ", capital(as_words(finding)), "."))
+    return Paragraph((Strong("Verdict on stresses and limits:"), " ", Strong(judged.verdict), ".", *said))
 
 
-def conclusion(subject: ReportData, found: LimitConclusion) -> TableBlock:
+def conclusion(subject: ReportData, judged: LimitConclusion) -> TableBlock:
     """Table with one sentence on the limits for every condition; of many conditions the gravest."""
     columns = (Heading("Configuration"), Heading("Verdict"), Heading("Conclusion", wide=True))
-    kept = [one for one in found.checks if one.verdict != PASS] if len(found.checks) > MOST_ROWS else found.checks
+    kept = (
+        [check for check in judged.checks if check.verdict != PASS] if len(judged.checks) > MOST_ROWS else judged.checks
+    )
     rows = [
         (subject.titles.of(check.configuration), check.verdict, as_words(check.finding())) for check in kept[:MOST_ROWS]
     ]
-    rest = len(found.checks) - len(rows)
+    rest = len(judged.checks) - len(rows)
     notes = [phrase("{count} further configurations are in the verdict.", count=rest)] if rest else []
     return table("Conclusion on stresses and limits", columns, rows, notes)
 
@@ -85,7 +87,9 @@ def _verdicts(subject: ReportData, judged: LimitConclusion, name: str) -> TableB
     Of many conditions the gravest.
     """
     checks = _gravest(judged, name)
-    found = [(check, one) for check in checks for one in check.verdicts if one.limit == name]
+    verdicts = [
+        (check, limit_verdict) for check in checks for limit_verdict in check.verdicts if limit_verdict.limit == name
+    ]
     columns = (
         Heading("Configuration"),
         Heading("Criterion"),
@@ -98,20 +102,20 @@ def _verdicts(subject: ReportData, judged: LimitConclusion, name: str) -> TableB
         Heading("Verdict"),
         Heading("To be barred"),
     )
-    worst = [_numbers(subject, check, one) for check, one in found]
+    worst = [_numbers(subject, check, limit_verdict) for check, limit_verdict in verdicts]
     cells: list[list[Cell]] = [
-        [subject.titles.of(check.configuration) for check, _ in found],
-        [as_words(one.criterion) for _, one in found],
-        [judged_words(one) for _, one in found],
+        [subject.titles.of(check.configuration) for check, _ in verdicts],
+        [as_words(limit_verdict.criterion) for _, limit_verdict in verdicts],
+        [judged_words(limit_verdict) for _, limit_verdict in verdicts],
         list(aligned_numbers([row[0] for row in worst])),
         list(aligned_numbers([row[1] for row in worst])),
         list(aligned_numbers([row[2] for row in worst])),
-        [limit_unit(one.unit, subject.conventions) for _, one in found],
+        [limit_unit(limit_verdict.unit, subject.conventions) for _, limit_verdict in verdicts],
         [NumberText(row[3], 3) for row in worst],
-        [one.verdict for _, one in found],
-        [one.restrictions or "" for _, one in found],
+        [limit_verdict.verdict for _, limit_verdict in verdicts],
+        [limit_verdict.restrictions or "" for _, limit_verdict in verdicts],
     ]
-    of = dict.fromkeys(one.of for _, one in found)
+    of = dict.fromkeys(limit_verdict.of for _, limit_verdict in verdicts)
     many = phrase(
         "The {count} of {all} configurations in which it is used most.", count=len(checks), all=len(judged.checks)
     )
@@ -124,34 +128,34 @@ def _verdicts(subject: ReportData, judged: LimitConclusion, name: str) -> TableB
     )
 
 
-def judged_words(one: LimitVerdict) -> str:
+def judged_words(limit_verdict: LimitVerdict) -> str:
     """Text of the speeds in rpm in which a limit was judged, as 675 to 825."""
-    ranges = [phrase("{low:.4g} to {high:.4g}", low=low, high=high) for low, high in one.judged_rpm]
+    ranges = [phrase("{low:.4g} to {high:.4g}", low=low, high=high) for low, high in limit_verdict.judged_rpm]
     return joined(", ", ranges) if ranges else ""
 
 
-def _gravest(found: LimitConclusion, name: str) -> list[LimitCheck]:
+def _gravest(judged: LimitConclusion, name: str) -> list[LimitCheck]:
     """Checks of the limits in those conditions that the report shows of one limit, in their order."""
 
     def grave(check: LimitCheck) -> tuple[bool, float]:
-        verdicts = [one.verdict for one in check.verdicts if one.limit == name]
+        verdicts = [limit_verdict.verdict for limit_verdict in check.verdicts if limit_verdict.limit == name]
         return gravest(verdicts) == PASS, -np.nan_to_num(_most_used(check, name))
 
-    places = sorted(range(len(found.checks)), key=lambda place: (*grave(found.checks[place]), place))[:MOST_CASES]
-    return [found.checks[place] for place in sorted(places)]
+    places = sorted(range(len(judged.checks)), key=lambda place: (*grave(judged.checks[place]), place))[:MOST_CASES]
+    return [judged.checks[place] for place in sorted(places)]
 
 
-def _numbers(subject: ReportData, check: LimitCheck, one: LimitVerdict) -> tuple[float | None, ...]:
+def _numbers(subject: ReportData, check: LimitCheck, limit_verdict: LimitVerdict) -> tuple[float | None, ...]:
     """Worst speed in rpm, value and value allowed there, and utilisation in per cent, of a verdict.
 
     None each where there is none.
     """
-    at = one.worst
+    at = limit_verdict.worst
     if at is None:
         return (None, None, None, None)
-    scale = limit_scale(one.unit, subject.conventions)[0]
-    sizes = (float(one.values[at]) * scale, float(one.allowed[at]) * scale)
-    return (float(check.rpm[at]), *sizes, 100 * float(one.utilisation[at]))
+    scale = limit_scale(limit_verdict.unit, subject.conventions)[0]
+    sizes = (float(limit_verdict.values[at]) * scale, float(limit_verdict.allowed[at]) * scale)
+    return (float(check.rpm[at]), *sizes, 100 * float(limit_verdict.utilisation[at]))
 
 
 def _picture(subject: ReportData, judged: LimitConclusion, name: str, number: int) -> list[Picture]:
@@ -171,22 +175,24 @@ def _picture(subject: ReportData, judged: LimitConclusion, name: str, number: in
 
 def _most_used(check: LimitCheck, name: str) -> float:
     shares = [
-        float(one.utilisation[one.worst]) for one in check.verdicts if one.limit == name and one.worst is not None
+        float(limit_verdict.utilisation[limit_verdict.worst])
+        for limit_verdict in check.verdicts
+        if limit_verdict.limit == name and limit_verdict.worst is not None
     ]
     return max(shares, default=float("nan"))
 
 
-def _rules(subject: ReportData, found: LimitConclusion) -> list[Block]:
+def _rules(subject: ReportData, judged: LimitConclusion) -> list[Block]:
     """Blocks of the report on the rules that limits rest on.
 
     Source, formula and what is not covered; and the remarks.
     """
-    texts = {text: names for check in found.checks for text, names in check.texts().items()}
+    texts = {text: names for check in judged.checks for text, names in check.texts().items()}
     rules = tuple(
         (Strong(", ".join(map(as_words, names))), f": {text.source}. {text.formula}.", _not_covered(text))
         for text, names in texts.items()
     )
-    remarks = _remarks(subject, found)
+    remarks = _remarks(subject, judged)
     blocks: list[Block] = [Paragraph(("What the limits rest on:",)), Listing(rules)]
     if remarks:
         blocks += [Paragraph(("Remarks:",)), Listing(tuple((remark,) for remark in remarks))]
@@ -197,14 +203,18 @@ def _not_covered(text: RuleText) -> str:
     return phrase(" Not covered: {what}.", what=in_clauses(text.not_covered)) if text.not_covered else ""
 
 
-def _remarks(subject: ReportData, found: LimitConclusion) -> list[str]:
+def _remarks(subject: ReportData, judged: LimitConclusion) -> list[str]:
     """Texts of the remarks on limits, each once, with its configurations unless they are all."""
-    known = list(dict.fromkeys(check.configuration for check in found.checks))
+    known = list(dict.fromkeys(check.configuration for check in judged.checks))
     said = (
-        (joined(", ", (as_words(one.limit), criterion_words(one.criterion))), check.configuration, remark)
-        for check in found.checks
-        for one in check.verdicts
-        for remark in one.remarks
+        (
+            joined(", ", (as_words(limit_verdict.limit), criterion_words(limit_verdict.criterion))),
+            check.configuration,
+            remark,
+        )
+        for check in judged.checks
+        for limit_verdict in check.verdicts
+        for remark in limit_verdict.remarks
     )
     remarks = []
     for abouts, names, remark in grouped_remarks(said):
@@ -242,21 +252,21 @@ WHAT_IS_COUNTED = (
 
 def passage_section(subject: ReportData) -> Section | None:
     """Section of a report on passing barred ranges; None for a model without a range to be passed."""
-    found = subject.limit_conclusion
-    if found is None:
+    judged = subject.limit_conclusion
+    if judged is None:
         return None
     ranges: list[PassedRange] = []
     # The most used first: the others lie in these, or are only named.
-    every = passed_ranges(found.checks)
-    for one in sorted(every, key=lambda one: -one.utilisation):
-        if len(ranges) < MOST_RANGES and not any(_covers(other, one) for other in ranges):
-            ranges.append(one)
-    found_blocks = [list(_range(subject, one, number)) for number, one in enumerate(ranges, 1)]
+    every = passed_ranges(judged.checks)
+    for barred in sorted(every, key=lambda barred: -barred.utilisation):
+        if len(ranges) < MOST_RANGES and not any(_covers(other, barred) for other in ranges):
+            ranges.append(barred)
+    found_blocks = [list(_range(subject, barred, number)) for number, barred in enumerate(ranges, 1)]
     blocks = [block for some in found_blocks for block in some]
     lead: list[Block] = [Paragraph((WHAT_IS_COUNTED,))] if blocks else []
-    refused = [_refused(subject, one) for one in refused_ranges(found.checks)[:MOST_ROWS]]
-    missing = [_named_range(subject, one) for one, some in zip(ranges, found_blocks, strict=True) if not some]
-    missing += [_named_range(subject, one) for one in every if one not in ranges]
+    refused = [_refused(subject, barred) for barred in refused_ranges(judged.checks)[:MOST_ROWS]]
+    missing = [_named_range(subject, barred) for barred, some in zip(ranges, found_blocks, strict=True) if not some]
+    missing += [_named_range(subject, barred) for barred in every if barred not in ranges]
     if not blocks and not refused and not missing:
         return None
     others = (*_listed(NOT_PASSED, refused), *_listed(NOT_CALCULATED, missing[:MOST_ROWS]))
@@ -265,12 +275,12 @@ def passage_section(subject: ReportData) -> Section | None:
 
 def _listed(lead: str, ranges: Sequence[str]) -> list[Block]:
     """Sentence and list of ranges; empty without any."""
-    return [Paragraph((Strong(lead),)), Listing(tuple((one,) for one in ranges))] if ranges else []
+    return [Paragraph((Strong(lead),)), Listing(tuple((words,) for words in ranges))] if ranges else []
 
 
 def _named_range(subject: ReportData, barred: PassedRange) -> str:
     """Text of a range in a condition, with the limits that bar it, one of several criteria once."""
-    limits = ", ".join(dict.fromkeys(as_words(one.limit) for one in barred.verdicts))
+    limits = ", ".join(dict.fromkeys(as_words(limit_verdict.limit) for limit_verdict in barred.verdicts))
     where = _condition(subject, barred)
     return phrase("{range}{where}: {limits}", range=barred.span, where=where, limits=limits)
 
@@ -282,24 +292,24 @@ def _condition(subject: ReportData, barred: PassedRange) -> str:
 
 def _refused(subject: ReportData, refused: PassedRange) -> str:
     """Text of a range that must not be passed in a condition, and of the limit that forbids it."""
-    one = instruction(refused, subject.titles.of)
-    scale, shown = limit_scale(one.unit, subject.conventions)
-    allowed = one.allowed if math.isnan(one.allowed_in_passing) else one.allowed_in_passing
+    advice = instruction(refused, subject.titles.of)
+    scale, shown = limit_scale(advice.unit, subject.conventions)
+    allowed = advice.allowed if math.isnan(advice.allowed_in_passing) else advice.allowed_in_passing
     return phrase(
         "{range}{where}: {limit} has {value} {unit} at {speed:.4g} rpm, {allowed} allowed",
         range=refused.span,
-        where=f", {one.condition}" if refused.check.configuration else "",
-        limit=as_words(one.limits[0]),
-        value=NumberText(one.value * scale, DIGITS),
+        where=f", {advice.condition}" if refused.check.configuration else "",
+        limit=as_words(advice.limits[0]),
+        value=NumberText(advice.value * scale, DIGITS),
         allowed=NumberText(allowed * scale, DIGITS),
         unit=unit(shown),
-        speed=one.rpm,
+        speed=advice.rpm,
     )
 
 
-def _covers(one: PassedRange, other: PassedRange) -> bool:
+def _covers(barred: PassedRange, other: PassedRange) -> bool:
     """Whether a barred range contains another one."""
-    (low, high), (first, last) = one.span.rpm_outward, other.span.rpm_outward
+    (low, high), (first, last) = barred.span.rpm_outward, other.span.rpm_outward
     return low <= first and last <= high
 
 
@@ -308,7 +318,7 @@ def _range(subject: ReportData, barred: PassedRange, number: int) -> Iterator[Bl
     from torsionnet.machinery.verdicts.range_passage import range_passages
 
     check = barred.check
-    case = next(one for one in subject.judged_cases if one.configuration == check.configuration)
+    case = next(case for case in subject.judged_cases if case.configuration == check.configuration)
     asked = barred.seconds_to_pass
     times = sorted({*(subject.request.plan.passage or (QUICK, SLOW)), *((asked,) if asked else ())})
     passages = range_passages(case.drivetrain, barred, times)
@@ -324,7 +334,7 @@ def _range(subject: ReportData, barred: PassedRange, number: int) -> Iterator[Bl
     yield _passage_picture(
         subject, _drawn(passages), phrase("{low} to {high} rpm{where}", low=low, high=high, where=where), number
     )
-    notes = dict.fromkeys(note for one in passages for note in one.response.notes[:-1])
+    notes = dict.fromkeys(note for passage in passages for note in passage.response.notes[:-1])
     if notes:
         _, first, *rest = (part for note in notes for part in ("; ", as_words(note)))
         yield Paragraph((capital(first), *rest, "."))
@@ -333,27 +343,31 @@ def _range(subject: ReportData, barred: PassedRange, number: int) -> Iterator[Bl
 
 def _beyond(subject: ReportData, passages: Sequence[RangePassage]) -> Iterator[Paragraph]:
     """Sentence on the largest vibration outside of a range, if any there is above what is allowed when it lasts."""
-    left = [(one, found) for one in passages if (found := one.beyond) is not None]
+    left = [(passage, beyond) for passage in passages if (beyond := passage.beyond) is not None]
     if left:
-        one, (rpm, value, steady) = max(left, key=lambda pair: pair[1][1])
-        scale, shown = limit_scale(one.unit, subject.conventions)
-        about = {"limit": as_words(one.named), "speed": rpm, "unit": unit(shown)}
+        passage, (rpm, value, steady) = max(left, key=lambda pair: pair[1][1])
+        scale, shown = limit_scale(passage.unit, subject.conventions)
+        about = {"limit": as_words(passage.named), "speed": rpm, "unit": unit(shown)}
         sizes = {name: NumberText(size * scale, DIGITS) for name, size in (("value", value), ("steady", steady))}
         yield Paragraph((phrase(BEYOND, **about, **sizes),))
 
 
 def _finding(passages: tuple[RangePassage, ...], asked: float | None) -> tuple[str, ...]:
     """Sentences on the limit in passing, in the time that the limit names if it names one."""
-    over = sorted({one.seconds for one in passages if one.outcome == EXCEEDED})
+    over = sorted({passage.seconds for passage in passages if passage.outcome == EXCEEDED})
     if asked is not None:
         if asked in over:
             return (phrase(" in the {time:g} s that are asked for, the limit in passing is exceeded.", time=asked),)
         return (phrase(" in the {time:g} s that are asked for, the limit in passing is kept.", time=asked),)
     if over:
-        return (phrase(" the limit in passing is exceeded in {times} s.", times=", ".join(f"{one:g}" for one in over)),)
+        return (
+            phrase(
+                " the limit in passing is exceeded in {times} s.", times=", ".join(f"{seconds:g}" for seconds in over)
+            ),
+        )
     return (
         " limits in passing are kept."
-        if any(one.outcome == KEPT for one in passages)
+        if any(passage.outcome == KEPT for passage in passages)
         else " no limit in passing is given.",
     )
 
@@ -361,8 +375,10 @@ def _finding(passages: tuple[RangePassage, ...], asked: float | None) -> tuple[s
 def _drawn(passages: Sequence[RangePassage]) -> list[RangePassage]:
     """Quickest and slowest passage of the worst limit in the direction of the first one, once if they are the same."""
     first = passages[0]
-    same = [one for one in passages if one.verdict is first.verdict and one.is_upward == first.is_upward]
-    ends = [min(same, key=lambda one: one.seconds), max(same, key=lambda one: one.seconds)]
+    same = [
+        passage for passage in passages if passage.verdict is first.verdict and passage.is_upward == first.is_upward
+    ]
+    ends = [min(same, key=lambda passage: passage.seconds), max(same, key=lambda passage: passage.seconds)]
     return ends if ends[0] is not ends[1] else ends[:1]
 
 
@@ -372,10 +388,13 @@ def _passage_picture(subject: ReportData, passages: Sequence[RangePassage], what
 
     verdict = passages[0].verdict
     channel = Channel(as_words(verdict.limit), verdict.unit)
-    runs = [replace(one.response, values=one.values[:, None], outputs=(channel,)) for one in passages]
-    limits = [{verdict.criterion: one.allowed, one.criterion_in_passing: one.allowed_in_passing} for one in passages]
+    runs = [replace(passage.response, values=passage.values[:, None], outputs=(channel,)) for passage in passages]
+    limits = [
+        {verdict.criterion: passage.allowed, passage.criterion_in_passing: passage.allowed_in_passing}
+        for passage in passages
+    ]
     drawn = passage_response(runs, limits=limits, conventions=subject.conventions, title="")
-    seconds = [one.seconds for one in passages]
+    seconds = [passage.seconds for passage in passages]
     caption = phrase("Passage of {range} in {time:g} s.", range=what, time=seconds[0])
     if len(seconds) > 1:
         caption = phrase(

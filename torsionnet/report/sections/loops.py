@@ -24,24 +24,24 @@ NOTES = "What was corrected, and what was not:"
 def loops_section(subject: ReportData) -> Section:
     """Section of a report with picture, tables and remarks of each record of loops."""
     blocks = [
-        block for number, found in enumerate(subject.request.loops, 1) for block in _record(subject, found, number)
+        block for number, loops in enumerate(subject.request.loops, 1) for block in _record(subject, loops, number)
     ]
     return Section("loops", ("Loops of the component bench",), tuple(blocks))
 
 
-def _record(subject: ReportData, found: TorqueLoops, number: int) -> Iterator[Block]:
+def _record(subject: ReportData, loops: TorqueLoops, number: int) -> Iterator[Block]:
     from torsionnet.plot.loops_plot import torque_loops
 
-    caption = phrase(CAPTION, torque=found.torque, twist=found.twist)
-    drawn = torque_loops(found, conventions=subject.conventions, title="")
+    caption = phrase(CAPTION, torque=loops.torque, twist=loops.twist)
+    drawn = torque_loops(loops, conventions=subject.conventions, title="")
     yield Picture(f"loops_{number}", drawn, (caption,), caption)
-    yield _loops(subject, found)
-    stages = [one for one in found.loops if one.stages and not one.bends]
+    yield _loops(subject, loops)
+    stages = [loop for loop in loops.loops if loop.stages and not loop.bends]
     if stages:
-        yield _stages(subject, max(stages, key=lambda one: one.amplitude.value))
-    if found.notes:
+        yield _stages(subject, max(stages, key=lambda loop: loop.amplitude.value))
+    if loops.notes:
         yield Paragraph((NOTES,))
-        yield Listing(tuple((one.text if isinstance(one, Note) else one,) for one in found.notes))
+        yield Listing(tuple((loop.text if isinstance(loop, Note) else loop,) for loop in loops.notes))
 
 
 def _value(value: LoopValue | None, scale: float = 1.0) -> tuple[Cell, Cell]:
@@ -52,7 +52,7 @@ def _value(value: LoopValue | None, scale: float = 1.0) -> tuple[Cell, Cell]:
     return NumberText(scale * value.value, DIGITS), half
 
 
-def _loops(subject: ReportData, found: TorqueLoops) -> TableBlock:
+def _loops(subject: ReportData, loops: TorqueLoops) -> TableBlock:
     angle, scale = subject.conventions.unit("rad"), subject.conventions.scale("rad")
     columns = [Heading("Mean torque", unit("N*m"), numeric=True), Heading("Amplitude", unit(angle), numeric=True)]
     quantities: tuple[tuple[Cell, str], ...] = (
@@ -63,11 +63,11 @@ def _loops(subject: ReportData, found: TorqueLoops) -> TableBlock:
         columns += [Heading(words, unit(name), numeric=True), Heading("±", unit(name), numeric=True)]
     rows = [
         (
-            NumberText(one.mean_torque, DIGITS), NumberText(scale * one.amplitude.value, DIGITS),
-            *_value(one.secant_stiffness), *_value(one.loss), *_value(one.eta_s), *_value(one.eta_1),
-            *_value(one.friction),
+            NumberText(loop.mean_torque, DIGITS), NumberText(scale * loop.amplitude.value, DIGITS),
+            *_value(loop.secant_stiffness), *_value(loop.loss), *_value(loop.eta_s), *_value(loop.eta_1),
+            *_value(loop.friction),
         )
-        for one in found.loops
+        for loop in loops.loops
     ]  # fmt: skip
     return table(LOOPS, columns, rows, merge=False)
 
@@ -79,9 +79,9 @@ def _stages(subject: ReportData, loop: TorqueLoop) -> TableBlock:
         columns += [Heading(words, unit(name), numeric=True), Heading("±", unit(name), numeric=True)]
     rows = [
         (
-            phrase(one.side), str(one.number), *_value(one.stiffness), *_value(one.begins, scale),
-            *_value(one.friction),
+            phrase(stage.side), str(stage.number), *_value(stage.stiffness), *_value(stage.begins, scale),
+            *_value(stage.friction),
         )
-        for one in loop.stages
+        for stage in loop.stages
     ]  # fmt: skip
     return table(STAGES, columns, rows, merge=False)

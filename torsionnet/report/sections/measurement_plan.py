@@ -117,8 +117,8 @@ def measurement_plan_section(subject: ReportData) -> Section | None:
     blocks: list[Block] = []
     reference = ""
     for case, tests in files or ((subject.normal_case, ()),):
-        reference, found = _of_condition(subject, case, places, tests)
-        blocks += found
+        reference, blocks_of_case = _of_condition(subject, case, places, tests)
+        blocks += blocks_of_case
     blocks += [] if files else _with_cylinder_out(subject, places)
     text = phrase(INTRODUCTION, reference=as_words(reference))
     known = phrase(TOLERANCE, share=100 * SAME_VALUE, speed=100 * SAME_SPEED)
@@ -142,12 +142,12 @@ def _of_condition(
         reference, name = run.reference, run.outputs[0].name
         speeds = merged_speeds([*critical_peaks(run), *_fixed_speeds(subject, case, run)]) or (_largest(run),)
         at = _at(case, place, speeds, run.reference)
-        measured = [order for one in tests.get(name, ()) for order in one.orders]
+        measured = [order for test in tests.get(name, ()) for order in test.orders]
         blocks.append(_table(subject, case, place, at, speeds, measured))
         if name in tests:
             blocks += measured_order_tables(run, name, tests[name], subject.conventions, *_placed(place, case))
             blocks.append(Paragraph((DAMPING_NOTE,)))
-            if any(one.remarks for one in tests[name]):
+            if any(test.remarks for test in tests[name]):
                 blocks.append(Paragraph((RUN_UP_NOTE,)))
     return reference, [*blocks, *_beside_limits(subject, case, files)]
 
@@ -157,8 +157,8 @@ def _test(case: Case, run: OrderResponse, file: MeasuredFile, orders: tuple[Meas
     if not is_tracked_table(file.path):
         return PlaceTest(orders)
     channel = run.outputs[0]
-    found = swept_comparison(case.drivetrain, run, [channel.name], tracked_channel(file.path, channel))
-    return PlaceTest(orders, found.orders.get(channel.name, ()), found.remarks)
+    comparison = swept_comparison(case.drivetrain, run, [channel.name], tracked_channel(file.path, channel))
+    return PlaceTest(orders, comparison.orders.get(channel.name, ()), comparison.remarks)
 
 
 def _beside_limits(subject: ReportData, case: Case, files: Sequence[MeasuredFile]) -> list[Block]:
@@ -167,7 +167,7 @@ def _beside_limits(subject: ReportData, case: Case, files: Sequence[MeasuredFile
     Empty without half ranges of a limited quantity, or where limits were not judged in this condition.
     """
     checks = subject.limit_conclusion.checks if subject.limit_conclusion else ()
-    check = next((one for one in checks if one.configuration == case.configuration), None)
+    check = next((judged for judged in checks if judged.configuration == case.configuration), None)
     if check is None:
         return []
     ranges: list[MeasuredRange] = []
@@ -183,7 +183,7 @@ def _beside_limits(subject: ReportData, case: Case, files: Sequence[MeasuredFile
             ranges, subject.conventions, phrase("Measured half ranges beside limits{where}", where=_where(case))
         )
     ]
-    for number, name in enumerate(dict.fromkeys(one.limited.limit for one in ranges), 1):
+    for number, name in enumerate(dict.fromkeys(judged.limited.limit for judged in ranges), 1):
         drawn = limit_picture(check, name, subject.conventions, ranges)
         caption = (
             phrase("Limit {name} over speed{where}, measured half ranges as dots.", name=as_words(name), where=where),
@@ -230,13 +230,13 @@ def _out_rows(
     channel = run.outputs[0]
     scale, shown = _unit_of(run, subject)
     rows = planned_amplitudes(run, speeds, channel.name)
-    for at, one in enumerate(speeds):
-        found = [row for row in rows if row.speed == one.speed][:MOST_ORDERS_OUT]
-        orders = "; ".join(f"{as_words(row.name)}: {NumberText(row.amplitude * scale, 3)}" for row in found)
+    for at, planned in enumerate(speeds):
+        largest = [row for row in rows if row.speed == planned.speed][:MOST_ORDERS_OUT]
+        orders = "; ".join(f"{as_words(row.name)}: {NumberText(row.amplitude * scale, 3)}" for row in largest)
         yield (
             joined(", ", (phrase(capital(place.sensor.quantity)), as_words(place.sensor.of))),
-            NumberText(one.speed * RPM, 4),
-            capital(one.reason),
+            NumberText(planned.speed * RPM, 4),
+            capital(planned.reason),
             _case(run, at, channel.name),
             NumberText(float(run.half_range[at, 0]) * scale, 3),
             unit(shown),
@@ -252,7 +252,7 @@ def _case(run: OrderResponse, at: int, name: str) -> str:
 def _at(case: Case, place: MeasuringPlace, speeds: Sequence[PlannedSpeed], of: str | None = None) -> OrderResponse:
     """Response at a place, and of the stress there, at planned speeds one after the other."""
     outputs = dict.fromkeys([place.name, *map(str, _stress(case, place)), *map(str, _judged(case, place)[0])])
-    return case.drivetrain.order_response([*outputs], speeds=[one.speed for one in speeds], speed_of=of)
+    return case.drivetrain.order_response([*outputs], speeds=[planned.speed for planned in speeds], speed_of=of)
 
 
 def _run(case: Case, place: MeasuringPlace) -> OrderResponse | None:
@@ -270,9 +270,9 @@ def _largest(run: OrderResponse) -> PlannedSpeed:
 
 def _fixed_speeds(subject: ReportData, case: Case, run: OrderResponse) -> Iterator[PlannedSpeed]:
     """Rated speed, ends of the condition's own barred ranges and its highest speed permitted, if calculated."""
-    speeds, found = subject.model.definition.speeds, subject.limit_conclusion
+    speeds, judged = subject.model.definition.speeds, subject.limit_conclusion
     wanted = [PlannedSpeed(speeds.rated, "rated", True)] if speeds is not None and speeds.rated else []
-    for check in found.checks if found else ():
+    for check in judged.checks if judged else ():
         if check.configuration == case.configuration:
             # As the operating instructions say them: outward to whole rpm.
             ends = [(low / RPM, high / RPM) for low, high in (span.rpm_outward for span in check.passed)]
@@ -280,7 +280,7 @@ def _fixed_speeds(subject: ReportData, case: Case, run: OrderResponse) -> Iterat
                 wanted += [PlannedSpeed(low, "barred from", True), PlannedSpeed(high, "barred to", True)]
             wanted += _highest(check)
     low, high = float(run.speeds.min()), float(run.speeds.max())
-    yield from (one for one in wanted if low * (1 - 1e-9) <= one.speed <= high * (1 + 1e-9))
+    yield from (planned for planned in wanted if low * (1 - 1e-9) <= planned.speed <= high * (1 + 1e-9))
 
 
 def _highest(check: LimitCheck) -> list[PlannedSpeed]:
@@ -305,14 +305,14 @@ def _judged(case: Case, place: MeasuringPlace) -> tuple[list[Sensor], float]:
     if place.sensor.quantity != "torque":
         return [], 0.0
     view = limit_subject(case.drivetrain.definition, case.drivetrain.exact_values)
-    limits = [one for one in case.drivetrain.definition.limits.values() if isinstance(one, ShaftLimit)]
-    found = (
-        one.vibratory_sensors(criterion, view)
-        for one in limits
-        if one.element == place.sensor.of
+    limits = [limit for limit in case.drivetrain.definition.limits.values() if isinstance(limit, ShaftLimit)]
+    sensors_of_limits = (
+        limit.vibratory_sensors(criterion, view)
+        for limit in limits
+        if limit.element == place.sensor.of
         for criterion in VIBRATORY_STRESSES
     )
-    return next((one for one in found if one is not None), ([], 0.0))
+    return next((limit for limit in sensors_of_limits if limit is not None), ([], 0.0))
 
 
 def _unit_of(run: OrderResponse, subject: ReportData) -> tuple[float, str]:
@@ -349,19 +349,19 @@ def _table(
     first = [number == 0 or rows[number - 1].speed != row.speed for number, row in enumerate(rows)]
     at = [int(np.argmin(abs(run.speeds - row.speed))) for row in rows]
     has_stress = len(_stress(case, place)) > 0
-    stress = [float(run.half_range[one, 1]) * 1e-6 if has_stress else None for one in at]
+    stress = [float(run.half_range[row_at, 1]) * 1e-6 if has_stress else None for row_at in at]
     places = [run.output(str(sensor)) for sensor in ends]
-    judged = [float(run.half_range[one, places].max()) * factor * 1e-6 if places else None for one in at]
+    judged = [float(run.half_range[row_at, places].max()) * factor * 1e-6 if places else None for row_at in at]
     cells: list[list[Cell]] = [
         _once(aligned_numbers([row.rpm for row in rows]), first),
         _once([capital(row.reason) for row in rows], first),
         [f"{row.order:.4g}" for row in rows],
         [as_words(row.name) for row in rows],
         list(aligned_numbers([row.amplitude * scale for row in rows], 3)),
-        list(aligned_numbers([None if one is None else one * scale for one in tests], 3))
+        list(aligned_numbers([None if row_at is None else row_at * scale for row_at in tests], 3))
         if measured
         else [""] * len(rows),
-        [_deviation(row, one) for row, one in zip(rows, tests, strict=True)] if measured else [""] * len(rows),
+        [_deviation(row, row_at) for row, row_at in zip(rows, tests, strict=True)] if measured else [""] * len(rows),
         _once(aligned_numbers([row.half_range * scale for row in rows], 3), first),
         _once(aligned_numbers(stress, 3), first) if has_stress else [""] * len(rows),
         _once(aligned_numbers(judged, 4), first) if places else [""] * len(rows),

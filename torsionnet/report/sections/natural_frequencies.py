@@ -71,8 +71,8 @@ def natural_frequencies_section(subject: ReportData) -> Section | None:
 
 def _listed(rows: Sequence[CountedVibration], highest: float) -> tuple[CountedVibration, ...]:
     """Natural frequencies below the highest excitation, in Hz, and the next one, which shows the margin above."""
-    above = min((one.lowest for one in rows if one.lowest > highest), default=highest)
-    return tuple(one for one in rows if one.lowest <= above)
+    above = min((row.lowest for row in rows if row.lowest > highest), default=highest)
+    return tuple(row for row in rows if row.lowest <= above)
 
 
 def _range(subject: ReportData) -> str:
@@ -89,7 +89,7 @@ def _range(subject: ReportData) -> str:
     modes = (
         phrase("one natural frequency lies") if count == 1 else phrase("{count} natural frequencies lie", count=count)
     )
-    above = any(one.lowest > highest for one in subject.natural_frequencies[0])
+    above = any(row.lowest > highest for row in subject.natural_frequencies[0])
     return phrase(
         "The highest excitation is {what}, {frequency:.4g} Hz at {speed:.6g} rpm of {node}; {modes} below{beyond}.",
         what=what,
@@ -110,29 +110,29 @@ def _first_table(subject: ReportData, rows: tuple[CountedVibration, ...]) -> Tab
     several = len(subject.judged_drivetrains) > 1
     where = phrase(" in configuration {name}", name=_where(subject, 0)) if several else ""
     placed = _placed(subject, rows)
-    short = tuple(one if len(one.nodes) <= MOST_PLACES else replace(one, nodes=()) for one in placed)
+    short = tuple(row if len(row.nodes) <= MOST_PLACES else replace(row, nodes=()) for row in placed)
     speed = operating_speed_sentence(subject.judged_drivetrains[0][0].drivetrain)
     notes = (COUNTING, *([BRANCHED] if placed != rows else []), *speed, *([AT_CRITICAL_SPEEDS] if speed else []))
     made = natural_frequency_table("", short, notes)
-    found = results_table(made, phrase("Natural frequencies{where}", where=where), most=MOST_MODES_LISTED)
+    block = results_table(made, phrase("Natural frequencies{where}", where=where), most=MOST_MODES_LISTED)
     shown = {subject.conventions.frequency: FREQUENCY_DECIMALS, "1/min": PER_MINUTE_DECIMALS, "%": DAMPING_DECIMALS}
-    return with_decimals(found, shown)
+    return with_decimals(block, shown)
 
 
 def _placed(subject: ReportData, rows: tuple[CountedVibration, ...]) -> tuple[CountedVibration, ...]:
     """Natural frequencies with the nodes on each line of the Holzer table where they cannot be counted as a whole."""
-    open_ones = [one.mode for one in rows[:MOST_MODES_LISTED] if one.n_nodes is None]
+    open_ones = [row.mode for row in rows[:MOST_MODES_LISTED] if row.n_nodes is None]
     tables, _ = _holzer_tables(subject, open_ones)
     places = {
         mode: tuple(
             phrase("in {element}", element=", ".join(node.elements))
             if node.elements
             else phrase("at {node}", node=node.first)
-            for node in found
+            for node in nodes
         )
-        for mode, found in ((mode, vibration_nodes(table)) for mode, table in tables.items())
+        for mode, nodes in ((mode, vibration_nodes(table)) for mode, table in tables.items())
     }
-    return tuple(replace(one, nodes=places.get(one.mode, one.nodes)) for one in rows)
+    return tuple(replace(row, nodes=places.get(row.mode, row.nodes)) for row in rows)
 
 
 def _compared(subject: ReportData, listed: Sequence[tuple[CountedVibration, ...]]) -> TableBlock:
@@ -146,16 +146,16 @@ def _compared(subject: ReportData, listed: Sequence[tuple[CountedVibration, ...]
     names = [_where(subject, place) for place in range(len(shown))]
     values: dict[str, list[list[Cell]]] = {
         "Undamped natural frequency, Hz": [
-            [NumberText(one.undamped_frequency, 4, FREQUENCY_DECIMALS) for one in rows] for rows in shown
+            [NumberText(vibration.undamped_frequency, 4, FREQUENCY_DECIMALS) for vibration in rows] for rows in shown
         ],
         "Undamped vibrations per minute": [
-            [NumberText(one.per_minute, 4, PER_MINUTE_DECIMALS) for one in rows] for rows in shown
+            [NumberText(vibration.per_minute, 4, PER_MINUTE_DECIMALS) for vibration in rows] for rows in shown
         ],
         "Damping ratio, %": [
-            [NumberText(100 * one.damping_ratio, 4, DAMPING_DECIMALS) for one in rows] for rows in shown
+            [NumberText(100 * vibration.damping_ratio, 4, DAMPING_DECIMALS) for vibration in rows] for rows in shown
         ],
     }
-    counts: list[list[Cell]] = [[str(one.n_nodes) for one in rows] for rows in shown]
+    counts: list[list[Cell]] = [[str(vibration.n_nodes) for vibration in rows] for rows in shown]
     if any(row != counts[0] for row in counts):
         values["Number of nodes"] = counts
     groups = []
@@ -170,7 +170,7 @@ def _shapes(subject: ReportData) -> list[Block]:
     excited = subject.excited_modes
     asked = subject.request.plan.holzer
     wanted = (
-        excited[:MOST_HOLZER_TABLES] if asked is None else [one.mode for one in subject.natural_frequencies[0]][:asked]
+        excited[:MOST_HOLZER_TABLES] if asked is None else [row.mode for row in subject.natural_frequencies[0]][:asked]
     )
     tables, missing = _holzer_tables(subject, list(dict.fromkeys([*excited[:MOST_DRAWN], *wanted])))
     blocks: list[Block] = []
@@ -180,7 +180,7 @@ def _shapes(subject: ReportData) -> list[Block]:
         from torsionnet.plot.shapes import relative_amplitudes
 
         text = phrase(PICTURE_TEXT, node=as_words(drawn[0].referred_to))
-        alt = phrase("Relative amplitudes of modes {numbers}", numbers=", ".join(str(one.mode) for one in drawn))
+        alt = phrase("Relative amplitudes of modes {numbers}", numbers=", ".join(str(row.mode) for row in drawn))
         blocks.append(Picture("relative_amplitudes", relative_amplitudes(drawn), (text, where), alt))
     blocks += [holzer_block(tables[mode], "N/mm^2") for mode in wanted if mode in tables]
     if missing:
@@ -203,10 +203,10 @@ def _holzer_tables(subject: ReportData, modes: Sequence[int]) -> tuple[dict[int,
     from torsionnet.machinery.holzer.holzer import holzer_table
 
     held = held_drivetrain(subject.judged_drivetrains[0][0])
-    found, missing = {}, []
+    tables, missing = {}, []
     for mode in modes:
         try:
-            found[mode] = holzer_table(held, mode, segments=True)
+            tables[mode] = holzer_table(held, mode, segments=True)
         except TorsionnetError as error:
             missing.append(f"{mode}: {error}")
-    return found, missing
+    return tables, missing

@@ -57,7 +57,7 @@ def _motions(subject: ReportData, case: Case, run: PeriodicOrders) -> Iterator[B
     drawn = periodic_response(run.motions, conventions=subject.conventions, title="")
     caption = phrase(CAPTION, where=where)
     yield Picture(f"periodic_motions_{subject.cases.index(case) + 1}", drawn, (caption,), caption)
-    turns = sorted(_turns(run.motions), key=lambda one: one[1].at)
+    turns = sorted(_turns(run.motions), key=lambda turn: turn[1].at)
     if turns:
         yield _turn_table(subject, run.motions, turns, where)
     else:
@@ -65,26 +65,26 @@ def _motions(subject: ReportData, case: Case, run: PeriodicOrders) -> Iterator[B
     yield from (Remark("warning", (capital(note), ".")) for note in run.open_notes)
 
 
-def _turns(found: PeriodicResponse) -> Iterator[tuple[str, FoundMotion]]:
+def _turns(motions: PeriodicResponse) -> Iterator[tuple[str, FoundMotion]]:
     """Places at which sweeps jump or periods double, each with the word for it."""
-    folds = {one.at: one for one in found.turns("fold")}
-    yield from ((way.capitalize(), folds[at]) for way, at in found.jumps)
-    yield from (("Period doubles", one) for one in found.turns("doubling"))
-    yield from (("Symmetry is lost", one) for one in found.turns("symmetry"))
-    yield from (("Second frequency", one) for one in found.motions if one.turn == "second frequency")
+    folds = {motion.at: motion for motion in motions.turns("fold")}
+    yield from ((way.capitalize(), folds[at]) for way, at in motions.jumps)
+    yield from (("Period doubles", motion) for motion in motions.turns("doubling"))
+    yield from (("Symmetry is lost", motion) for motion in motions.turns("symmetry"))
+    yield from (("Second frequency", motion) for motion in motions.motions if motion.turn == "second frequency")
 
 
 def _turn_table(
-    subject: ReportData, found: PeriodicResponse, turns: list[tuple[str, FoundMotion]], where: str
+    subject: ReportData, motions: PeriodicResponse, turns: list[tuple[str, FoundMotion]], where: str
 ) -> TableBlock:
     columns = [Heading("What"), Heading("Speed", "rpm", numeric=True)]
     cells: list[list[Cell]] = [
         [phrase(word) for word, _ in turns],
-        list(aligned_numbers([found.shown(one.at) for _, one in turns])),
+        list(aligned_numbers([motions.shown(motion.at) for _, motion in turns])),
     ]
-    for channel in found.outputs:
+    for channel in motions.outputs:
         scale = subject.conventions.scale(channel.unit)
         shown = unit(subject.conventions.unit(channel.unit))
         columns.append(Heading((as_words(channel.name), ", ", phrase("peak to peak")), shown, numeric=True))
-        cells.append(list(aligned_numbers([scale * found.peak_to_peak(one, channel.name) for _, one in turns])))
+        cells.append(list(aligned_numbers([scale * motions.peak_to_peak(motion, channel.name) for _, motion in turns])))
     return table(phrase(JUMPS, where=where), columns, list(zip(*cells, strict=True)), merge=False)

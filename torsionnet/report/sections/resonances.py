@@ -77,14 +77,14 @@ def _of_drivetrain(cases: tuple[Case, ...], number: int, *, several: bool) -> li
         replace(case.drivetrain.critical_speeds(), condition=distinct_choices(case.configuration, names))
         for case in cases
     ]
-    found = runs[0].in_conditions(runs) if len(runs) > 1 else runs[0]
+    speeds = runs[0].in_conditions(runs) if len(runs) > 1 else runs[0]
     where = phrase(" in configuration {name}", name=shared_choices(names)) if several and names[0] else ""
-    excited, others = _split(found, len(runs))
+    excited, others = _split(speeds, len(runs))
     blocks: list[Block] = [
-        results_table(_reached(found), phrase("Natural frequencies without and with damping{where}", where=where))
+        results_table(_reached(speeds), phrase("Natural frequencies without and with damping{where}", where=where))
     ]
     if number <= MOST_DRAWN:
-        blocks.append(_crossings_diagram(found, number, where))
+        blocks.append(_crossings_diagram(speeds, number, where))
     chosen = _largest(excited, runs)
     few = (
         phrase(", the {count} with the largest generalised force", count=MOST_ROWS)
@@ -106,60 +106,64 @@ def _of_drivetrain(cases: tuple[Case, ...], number: int, *, several: bool) -> li
     return blocks
 
 
-def _reached(found: CriticalSpeeds) -> Table:
+def _reached(speeds: CriticalSpeeds) -> Table:
     """Table of modes up to the highest that any order meets, and one more; of overdamped modes those that are met."""
-    met = {one.mode.number for one in found.crossings}
-    swings = [one.number for one in found.modes if not math.isnan(one.natural_frequency)]
+    met = {critical.mode.number for critical in speeds.crossings}
+    swings = [mode.number for mode in speeds.modes if not math.isnan(mode.natural_frequency)]
     last = max(met.intersection(swings), default=MOST_HOLZER_TABLES) + 1
-    kept = tuple(one for one in found.modes if one.number in met or (one.number in swings and one.number <= last))
-    return replace(found, modes=kept).mode_table()
+    kept = tuple(mode for mode in speeds.modes if mode.number in met or (mode.number in swings and mode.number <= last))
+    return replace(speeds, modes=kept).mode_table()
 
 
-def _largest(found: CriticalSpeeds, runs: Sequence[CriticalSpeeds]) -> CriticalSpeeds:
+def _largest(speeds: CriticalSpeeds, runs: Sequence[CriticalSpeeds]) -> CriticalSpeeds:
     """Critical speeds with the largest generalised force in any condition, in the order of modes."""
     forces: dict[tuple[object, ...], float] = {}
-    for one in (one for run in runs for one in run.crossings):
-        forces[_place(one)] = max(forces.get(_place(one), 0.0), _force(one))
-    sizes = sorted((forces[_place(one)] for one in found.crossings), reverse=True)
+    for critical in (critical for run in runs for critical in run.crossings):
+        forces[_place(critical)] = max(forces.get(_place(critical), 0.0), _force(critical))
+    sizes = sorted((forces[_place(critical)] for critical in speeds.crossings), reverse=True)
     least = sizes[MOST_ROWS - 1] if len(sizes) >= MOST_ROWS else 0.0
-    return replace(found, crossings=tuple(one for one in found.crossings if forces[_place(one)] >= least))
-
-
-def _force(one: CriticalSpeed) -> float:
-    """Generalised force of a crossing in N m, infinite for an imposed motion, which has none and is never left out."""
-    return math.inf if math.isnan(one.generalised_force) else one.generalised_force
-
-
-def _place(one: CriticalSpeed) -> tuple[object, ...]:
-    return one.mode.number, one.excitation, one.order, one.fixed
-
-
-def _narrow(found: CriticalSpeeds) -> Table:
-    table = found.table()
-    return table.chosen([index for index, column in enumerate(table.columns) if column.name not in LEFT_OUT_COLUMNS])
-
-
-def _split(found: CriticalSpeeds, conditions: int) -> tuple[CriticalSpeeds, CriticalSpeeds]:
-    """Critical speeds that some condition excites, and critical speeds that none excites."""
-    acts = [one.excited is not False or (conditions > 1 and bool(one.excited_in)) for one in found.crossings]
-    pairs = list(zip(found.crossings, acts, strict=True))
-    return (
-        replace(found, crossings=tuple(one for one, excited in pairs if excited)),
-        replace(found, crossings=tuple(one for one, excited in pairs if not excited)),
+    return replace(
+        speeds, crossings=tuple(critical for critical in speeds.crossings if forces[_place(critical)] >= least)
     )
 
 
-def _crossings_diagram(found: CriticalSpeeds, number: int, where: str) -> Picture:
+def _force(critical: CriticalSpeed) -> float:
+    """Generalised force of a crossing in N m, infinite for an imposed motion, which has none and is never left out."""
+    return math.inf if math.isnan(critical.generalised_force) else critical.generalised_force
+
+
+def _place(critical: CriticalSpeed) -> tuple[object, ...]:
+    return critical.mode.number, critical.excitation, critical.order, critical.fixed
+
+
+def _narrow(speeds: CriticalSpeeds) -> Table:
+    table = speeds.table()
+    return table.chosen([index for index, column in enumerate(table.columns) if column.name not in LEFT_OUT_COLUMNS])
+
+
+def _split(speeds: CriticalSpeeds, conditions: int) -> tuple[CriticalSpeeds, CriticalSpeeds]:
+    """Critical speeds that some condition excites, and critical speeds that none excites."""
+    acts = [
+        critical.excited is not False or (conditions > 1 and bool(critical.excited_in)) for critical in speeds.crossings
+    ]
+    pairs = list(zip(speeds.crossings, acts, strict=True))
+    return (
+        replace(speeds, crossings=tuple(critical for critical, excited in pairs if excited)),
+        replace(speeds, crossings=tuple(critical for critical, excited in pairs if not excited)),
+    )
+
+
+def _crossings_diagram(speeds: CriticalSpeeds, number: int, where: str) -> Picture:
     from torsionnet.plot.interference_plot import interference_diagram
 
     caption = (phrase("Interference diagram{where}: natural frequencies and orders over speed.", where=where),)
-    alt = f"Interference diagram{where}: {len(found.modes)} modes, {len(found.crossings)} crossings"
-    return Picture(f"interference_{number}", interference_diagram(found, title=""), caption, alt)
+    alt = f"Interference diagram{where}: {len(speeds.modes)} modes, {len(speeds.crossings)} crossings"
+    return Picture(f"interference_{number}", interference_diagram(speeds, title=""), caption, alt)
 
 
 def _holzer_tables(case: Case, excited: CriticalSpeeds) -> list[Block]:
     """Holzer tables of the lowest modes that any excitation reaches."""
-    modes = sorted({one.mode.number for one in excited.crossings})[:MOST_HOLZER_TABLES]
+    modes = sorted({critical.mode.number for critical in excited.crossings})[:MOST_HOLZER_TABLES]
     return [holzer_block(case.drivetrain.holzer_table(mode), "N/mm^2") for mode in modes]
 
 
@@ -172,10 +176,10 @@ def separation_margins(subject: ReportData) -> list[Block]:
     Empty unless the report's ``rules`` name a rule of separation margins and the model has speeds.
     """
     several = len(subject.distinct_drivetrains) > 1
-    return [_margins(found, cases, several=several) for cases, found in subject.separation_margins]
+    return [_margins(margins, cases, several=several) for cases, margins in subject.separation_margins]
 
 
-def _margins(found: CriticalSpeeds, cases: tuple[Case, ...], *, several: bool) -> TableBlock:
+def _margins(margins: CriticalSpeeds, cases: tuple[Case, ...], *, several: bool) -> TableBlock:
     where = (
         phrase(" in configuration {name}", name=shared_choices([case.configuration for case in cases]))
         if several
@@ -192,12 +196,12 @@ def _margins(found: CriticalSpeeds, cases: tuple[Case, ...], *, several: bool) -
         Heading("Margin kept"),
     )
     rows: list[tuple[Cell, ...]] = []
-    for place in range(0, len(found.crossings), len(found.lines)):
-        pairs = list(zip(found.crossings[place : place + len(found.lines)], found.lines, strict=True))
-        told = [_row(found, one, line) for one, line in _telling(pairs)]
+    for place in range(0, len(margins.crossings), len(margins.lines)):
+        pairs = list(zip(margins.crossings[place : place + len(margins.lines)], margins.lines, strict=True))
+        told = [_row(margins, critical, line) for critical, line in _telling(pairs)]
         rows += [row if number == 0 else ("", "", *row[2:]) for number, row in enumerate(told)]
     # Every mode meets the same lines; of some a rule requires nothing, as API 618 of half orders.
-    compared = [one for one in found.crossings[: len(found.lines)] if one.required is not None]
+    compared = [critical for critical in margins.crossings[: len(margins.lines)] if critical.required is not None]
     notes = [
         phrase(
             "Compared are {count} lines: multiples of the speed of each shaft and of electrical frequencies, and every "
@@ -207,9 +211,9 @@ def _margins(found: CriticalSpeeds, cases: tuple[Case, ...], *, several: bool) -
         ),
         "Margin: distance of the nearer of undamped and damped natural frequency from the frequencies compared, "
         "as a share of them; 0 where one of the speeds meets it.",
-        phrase("Margins by {rule}.", rule=in_clauses(str(found.rule))),
+        phrase("Margins by {rule}.", rule=in_clauses(str(margins.rule))),
     ]
-    if any(one.passes is False for one in found.crossings):
+    if any(critical.passes is False for critical in margins.crossings):
         notes.append("Where a margin is not kept, stresses at the critical speed have to show that it does no harm.")
     return table(phrase("Separation margins{where}", where=where), columns, rows, notes)
 
@@ -222,29 +226,29 @@ def _telling(pairs: Sequence[tuple[CriticalSpeed, OrderLine]]) -> list[tuple[Cri
     return [pair for pair in pairs if pair[0].passes is False or pair is nearest]
 
 
-def compared_words(one: CriticalSpeed) -> str:
+def compared_words(critical: CriticalSpeed) -> str:
     """Text of the excitation from which a mode has to be apart, as 2 x motor."""
-    if one.order:
-        return f"{one.order:g} x {as_words(one.excitation)}"
-    return f"{one.fixed:g} Hz, {as_words(one.excitation)}"
+    if critical.order:
+        return f"{critical.order:g} x {as_words(critical.excitation)}"
+    return f"{critical.fixed:g} Hz, {as_words(critical.excitation)}"
 
 
 def missed_margins(subject: ReportData) -> list[str]:
     """Sentences on the modes that are nearer to an excitation than the rule of separation margins wants."""
     said = []
-    for cases, found in subject.separation_margins:
+    for cases, margins in subject.separation_margins:
         missed: dict[int, list[str]] = {}
-        for one in found.crossings:
-            if one.passes is False:
-                missed.setdefault(one.mode.number, []).append(compared_words(one))
+        for critical in margins.crossings:
+            if critical.passes is False:
+                missed.setdefault(critical.mode.number, []).append(compared_words(critical))
         modes = [
             phrase("mode {mode} from {lines}", mode=mode, lines=listed_names(lines)) for mode, lines in missed.items()
         ]
         names = [case.configuration for case in cases]
         several = len(subject.distinct_drivetrains) > 1
         where = phrase(" in configuration {name}", name=shared_choices(names)) if several else ""
-        if modes and found.rule:
-            said.append(phrase(MISSED, rule=found.rule.name, modes=joined(", ", modes), where=where))
+        if modes and margins.rule:
+            said.append(phrase(MISSED, rule=margins.rule.name, modes=joined(", ", modes), where=where))
     return said
 
 
@@ -252,15 +256,15 @@ MISSED = "Separation margins by {rule} not kept{where}: {modes}; stresses at the
 """Finding on modes that are too near to an excitation."""
 
 
-def _row(found: CriticalSpeeds, one: CriticalSpeed, line: OrderLine) -> tuple[Cell, ...]:
-    low, high = np.abs(line.frequency(np.array(found.speed_range))).tolist()
-    compared = compared_words(one)
-    required = "" if one.required is None else NumberText(100 * one.required, 3)
-    kept = "" if one.passes is None else phrase("yes" if one.passes else "no")
+def _row(margins: CriticalSpeeds, critical: CriticalSpeed, line: OrderLine) -> tuple[Cell, ...]:
+    low, high = np.abs(line.frequency(np.array(margins.speed_range))).tolist()
+    compared = compared_words(critical)
+    required = "" if critical.required is None else NumberText(100 * critical.required, 3)
+    kept = "" if critical.passes is None else phrase("yes" if critical.passes else "no")
     return (
-        str(one.mode.number), NumberText(one.mode.undamped_frequency, 4),
+        str(critical.mode.number), NumberText(critical.mode.undamped_frequency, 4),
         compared, NumberText(low, 3), NumberText(high, 3),
-        NumberText(100 * one.margin, 3), required, kept,
+        NumberText(100 * critical.margin, 3), required, kept,
     )  # fmt: skip
 
 
@@ -298,18 +302,18 @@ def resonances_section(subject: ReportData) -> Section | None:
     if peaks is None:
         kept, listed = _without_limits(case)
         blocks.append(listed)
-        lines = [f"{one.excitation} {one.line}" for one in kept]
+        lines = [f"{critical.excitation} {critical.line}" for critical in kept]
         criticals = kept
     else:
         blocks.append(normal_criticals(subject))
         further = further_criticals(subject)
         blocks += [further] if further else []
-        lines = [one.name for one in peaks.criticals if one.share >= LEAST_SHARE]
-        criticals = [one.critical for one in peaks.criticals if one.share >= SMALL_SHARE]
+        lines = [record.name for record in peaks.criticals if record.share >= LEAST_SHARE]
+        criticals = [record.critical for record in peaks.criticals if record.share >= SMALL_SHARE]
     moved = assumed_values(case, criticals)
     if moved is not None:
         blocks.append(moved)
-    elif not any(one.tolerance for one in case.drivetrain.parameter_definitions.values()):
+    elif not any(parameter.tolerance for parameter in case.drivetrain.parameter_definitions.values()):
         blocks.append(Paragraph((NO_TOLERANCE,)))
     blocks += separation_margins(subject)
     return Section("resonances", ("Critical speeds",), (*blocks, _diagram(case, list(dict.fromkeys(lines)) or None)))
@@ -317,32 +321,34 @@ def resonances_section(subject: ReportData) -> Section | None:
 
 def _mode_cells(some: Sequence[CriticalSpeed], case: Case) -> Iterable[tuple[Cell, ...]]:
     """Cells on mode, order, speed, amplitude, force and damping of some critical speeds in one condition."""
-    shares = [damping_cell(case, one) for one in some]
-    speeds = aligned_numbers([one.natural_speed * RPM for one in some])
+    shares = [damping_cell(case, critical) for critical in some]
+    speeds = aligned_numbers([critical.natural_speed * RPM for critical in some])
     return (
         (
-            str(one.mode.number),
+            str(critical.mode.number),
             as_words(line).replace(" ", "\N{NO-BREAK SPACE}"),
             speed,
-            NumberText(1e3 * one.equilibrium_amplitude, DIGITS),
-            NumberText(1e-3 * one.generalised_force, DIGITS),
-            NumberText(one.mode.amplification, DIGITS),
+            NumberText(1e3 * critical.equilibrium_amplitude, DIGITS),
+            NumberText(1e-3 * critical.generalised_force, DIGITS),
+            NumberText(critical.mode.amplification, DIGITS),
             damping,
         )
-        for one, line, speed, damping in zip(
-            some, [f"{one.excitation} {one.line}" for one in some], speeds, shares, strict=True
+        for critical, line, speed, damping in zip(
+            some, [f"{critical.excitation} {critical.line}" for critical in some], speeds, shares, strict=True
         )
     )
 
 
 def _without_limits(case: Case) -> tuple[list[CriticalSpeed], TableBlock]:
     """Critical speeds of a model without limits, those with the largest amplitudes at resonance, and their table."""
-    found = case.drivetrain.critical_speeds(reach=0.2)
-    acting = [one for one in found.crossings if one.excited and math.isfinite(one.resonant_amplitude)]
-    largest = sorted(acting, key=lambda one: -one.resonant_amplitude)[:MOST_UNJUDGED]
-    kept = sorted(largest, key=lambda one: (one.mode.number, one.natural_speed))
-    low, high = (speed * RPM for speed in found.speed_range)
-    more = len(found.crossings) - len(kept)
+    speeds = case.drivetrain.critical_speeds(reach=0.2)
+    acting = [
+        critical for critical in speeds.crossings if critical.excited and math.isfinite(critical.resonant_amplitude)
+    ]
+    largest = sorted(acting, key=lambda critical: -critical.resonant_amplitude)[:MOST_UNJUDGED]
+    kept = sorted(largest, key=lambda critical: (critical.mode.number, critical.natural_speed))
+    low, high = (speed * RPM for speed in speeds.speed_range)
+    more = len(speeds.crossings) - len(kept)
     which = phrase(
         "Excited critical speeds up to 20 % outside {low:g} to {high:g} rpm, the largest at resonance",
         low=low,
@@ -363,10 +369,10 @@ def _diagram(case: Case, lines: list[str] | None) -> Picture:
     """Interference diagram of one condition with some order lines, or with all."""
     from torsionnet.plot.interference_plot import interference_diagram
 
-    found = case.drivetrain.critical_speeds(lines=lines)
+    speeds = case.drivetrain.critical_speeds(lines=lines)
     where = f", {case.title}" if case.title else ""
     orders = "orders" if lines is None else phrase("the orders listed")
     caption = (
         phrase("Interference diagram{where}: natural frequencies and {orders} over speed.", where=where, orders=orders),
     )
-    return Picture("resonances", interference_diagram(found, title=""), caption, f"Interference diagram{where}")
+    return Picture("resonances", interference_diagram(speeds, title=""), caption, f"Interference diagram{where}")

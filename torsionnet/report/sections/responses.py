@@ -61,9 +61,9 @@ def responses_section(subject: ReportData) -> Section | None:
     blocks: list[Block] = []
     for number, pair in enumerate(subject.pairs, 1):
         part = subject.for_pair(pair)
-        found = part.responses(pair)
+        responses = part.responses(pair)
         listing = peaks_table if len(part.cases) <= FEW_CASES else highest_peaks
-        blocks += [_picture(part, pair, found, number), listing(part, pair, found), *left_out(subject, pair)]
+        blocks += [_picture(part, pair, responses, number), listing(part, pair, responses), *left_out(subject, pair)]
     return Section("responses", ("Frequency responses",), tuple(blocks))
 
 
@@ -82,20 +82,20 @@ def left_out(subject: ReportData, pair: Pair) -> Iterator[Block]:
                 )
 
 
-def _picture(subject: ReportData, pair: Pair, found: tuple[FrequencyResponse, ...], number: int) -> Picture:
+def _picture(subject: ReportData, pair: Pair, responses: tuple[FrequencyResponse, ...], number: int) -> Picture:
     from torsionnet.plot.bode_plot import bode
 
-    shown = found[:MOST_CURVES]
+    shown = responses[:MOST_CURVES]
     labels = [case.title for case in subject.cases[:MOST_CURVES]] if len(shown) > 1 else None
     drawn = bode(shown, conventions=subject.conventions, labels=labels, title="")
     label_axes(drawn, pair)
     rest = (
-        phrase("; the first {shown} of {count} configurations", shown=len(shown), count=len(found))
-        if len(found) > len(shown)
+        phrase("; the first {shown} of {count} configurations", shown=len(shown), count=len(responses))
+        if len(responses) > len(shown)
         else ""
     )
-    overlaid = ", by configuration" if len(found) > 1 else ""
-    kind = found[0].kind()
+    overlaid = ", by configuration" if len(responses) > 1 else ""
+    kind = responses[0].kind()
     extent = [text for text in (overlaid, rest) if text]
     caption: Text = (Math(pair_latex(pair)), phrase(" ({kind}): magnitude and phase", kind=phrase(kind)), *extent, ".")
     low, high = subject.band
@@ -114,11 +114,11 @@ def label_axes(figure: Figure, pair: Pair) -> None:
     axes.set_ylabel(axes.get_ylabel().replace(str(pair), shown))
 
 
-def peaks_table(subject: ReportData, pair: Pair, found: tuple[FrequencyResponse, ...]) -> TableBlock:
+def peaks_table(subject: ReportData, pair: Pair, responses: tuple[FrequencyResponse, ...]) -> TableBlock:
     """Table of static value and peaks of a transfer function in every configuration of the report."""
-    scale, shown = found[0].scale(subject.conventions), unit(found[0].unit(conventions=subject.conventions))
+    scale, shown = responses[0].scale(subject.conventions), unit(responses[0].unit(conventions=subject.conventions))
     groups = []
-    for case, response in zip(subject.cases, found, strict=True):
+    for case, response in zip(subject.cases, responses, strict=True):
         points = static_value_and_peaks(subject, pair, response, list(subject.cases).index(case))
         groups.append((case.title, points))
     several = len(groups) > 1
@@ -145,10 +145,10 @@ def peaks_table(subject: ReportData, pair: Pair, found: tuple[FrequencyResponse,
     return TableBlock(caption, columns, (TableGroup(tuple(rows)),), notes)
 
 
-def highest_peaks(subject: ReportData, pair: Pair, found: tuple[FrequencyResponse, ...]) -> TableBlock:
+def highest_peaks(subject: ReportData, pair: Pair, responses: tuple[FrequencyResponse, ...]) -> TableBlock:
     """Table of static value and highest peaks of a transfer function, with a row for each configuration."""
-    scale, shown = found[0].scale(subject.conventions), unit(found[0].unit(conventions=subject.conventions))
-    read = [static_value_and_peaks(subject, pair, response, index) for index, response in enumerate(found)]
+    scale, shown = responses[0].scale(subject.conventions), unit(responses[0].unit(conventions=subject.conventions))
+    read = [static_value_and_peaks(subject, pair, response, index) for index, response in enumerate(responses)]
     columns = [Heading("Configuration"), Heading("Static value", shown, numeric=True)]
     lists: list[list[Cell]] = [[case.title for case in subject.cases]]
     lists.append(list(aligned_numbers([points[0][1].magnitude * scale for points in read])))
@@ -185,10 +185,12 @@ def static_value_and_peaks(
     """Static value and highest peaks of a response, each with its name, in the order of frequency."""
     solve = subject.solver(subject.cases[index], pair)
     value = static_value(solve, 0, 0)
-    found = [peak for peak in peaks(response, solve, 0, 0) if _stands_out(response, peak.frequency)]
+    found_peaks = [peak for peak in peaks(response, solve, 0, 0) if _stands_out(response, peak.frequency)]
     if not is_damped(subject.cases[index]):
-        found = [replace(peak, magnitude=math.inf, phase=math.nan) for peak in found]
-    highest = sorted(sorted(found, key=lambda peak: -peak.magnitude)[:MOST_PEAKS], key=lambda peak: peak.frequency)
+        found_peaks = [replace(peak, magnitude=math.inf, phase=math.nan) for peak in found_peaks]
+    highest = sorted(
+        sorted(found_peaks, key=lambda peak: -peak.magnitude)[:MOST_PEAKS], key=lambda peak: peak.frequency
+    )
     rest = [(phrase("peak {number}", number=number), peak) for number, peak in enumerate(highest, 1)]
     return [("static value", Peak(0.0, abs(value), phase_at_zero_frequency(value))), *rest]
 
@@ -236,25 +238,27 @@ def _test(subject: ReportData, test: Measured, number: int) -> list[Block]:
 def calculated(case: Case, measured: FrequencyResponse, excitation: str | None = None) -> FrequencyResponse:
     """Response of the model at the frequencies of a test, under the test's names of output and input."""
     output, into = measured.outputs[0].name, measured.inputs[0].name
-    found = case.drivetrain.frequency_response(output, into, measured.frequencies, driven_by=excitation)
-    return replace(found, outputs=_renamed(found, measured, "outputs"), inputs=_renamed(found, measured, "inputs"))
+    response = case.drivetrain.frequency_response(output, into, measured.frequencies, driven_by=excitation)
+    return replace(
+        response, outputs=_renamed(response, measured, "outputs"), inputs=_renamed(response, measured, "inputs")
+    )
 
 
-def _renamed(found: FrequencyResponse, measured: FrequencyResponse, side: str) -> tuple:  # type: ignore[type-arg]
-    pairs = zip(getattr(found, side), getattr(measured, side), strict=True)
+def _renamed(response: FrequencyResponse, measured: FrequencyResponse, side: str) -> tuple:  # type: ignore[type-arg]
+    pairs = zip(getattr(response, side), getattr(measured, side), strict=True)
     return tuple(replace(mine, name=theirs.name) for mine, theirs in pairs)
 
 
 def _agreement(
     measured: FrequencyResponse, model: FrequencyResponse, shown: Conventions, pair: str, where: str
 ) -> TableBlock:
-    found = agreement(measured, model, shown)
+    apart = agreement(measured, model, shown)
     columns = (Heading("Quantity"), Heading("At", "Hz", numeric=True), Heading("Value", numeric=True), Heading("Unit"))
     rows = [
         (capital(row[0]), NumberText(row[1]) if row[1] is not None else "", NumberText(row[2]), unit(row[3]))
-        for row in found.rows
+        for row in apart.rows
     ]
-    notes = [capital(note) + "." for note in found.notes]
+    notes = [capital(note) + "." for note in apart.notes]
     return table((Math(pair), phrase(", how far test and model are apart{where}", where=where)), columns, rows, notes)
 
 

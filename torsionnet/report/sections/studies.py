@@ -71,10 +71,10 @@ def varied_parameters(study: Study, units: ShownUnits) -> TableBlock:
     rows: list[tuple[Cell, ...]] = []
     for name, variation in study.space.entries.vary.items():
         written = ", ".join(f"{key} {_plain(value)}" for key, value in variation.written_entries().items())
-        for one in alike[name]:
-            where = first_names(one.cases, MOST_NAMES) if len(alike[name]) > 1 else ""
-            given = "" if one.given is None else NumberText(one.given * units.scale(name), SIGNIFICANT_DIGITS)
-            numbers = _numbers(one.sizes, units.scale(name))
+        for equal in alike[name]:
+            where = first_names(equal.cases, MOST_NAMES) if len(alike[name]) > 1 else ""
+            given = "" if equal.given is None else NumberText(equal.given * units.scale(name), SIGNIFICANT_DIGITS)
+            numbers = _numbers(equal.sizes, units.scale(name))
             rows.append(
                 (symbol_or_words(name), where, unit(units.unit(name)), given, variation.words, numbers, written)
             )
@@ -87,7 +87,8 @@ def correlations(study: Study) -> Iterator[TableBlock]:
     Nothing where none are correlated.
     """
     rows: list[tuple[Cell, ...]] = [
-        (_names(one.between), NumberText(one.coefficient)) for one in study.space.entries.correlation
+        (_names(correlation.between), NumberText(correlation.coefficient))
+        for correlation in study.space.entries.correlation
     ]
     if rows:
         columns = (Heading("Parameters"), Heading("Coefficient", numeric=True))
@@ -102,14 +103,14 @@ def _names(names: tuple[str, ...]) -> Text:
 
 def _by_configuration(study: Study, name: str) -> Iterator[EqualVariation]:
     """Variations of a parameter in a study, configurations with the same value in the model together."""
-    found: dict[tuple[float | None, ...], EqualVariation] = {}
+    by_values: dict[tuple[float | None, ...], EqualVariation] = {}
     for case in study.configurations:
         nominal = nominals(study.model_in(case), [name])[name]
         sizes = study.space.entries.vary[name].sizes(NominalReader(nominal))
         key = (nominal.value, *sizes.values())
-        cases = (*found[key].cases, case) if key in found else (case,)
-        found[key] = EqualVariation(cases, nominal.value, sizes)
-    yield from found.values()
+        cases = (*by_values[key].cases, case) if key in by_values else (case,)
+        by_values[key] = EqualVariation(cases, nominal.value, sizes)
+    yield from by_values.values()
 
 
 def _numbers(sizes: Mapping[str, float], scale: float) -> Text:
@@ -158,7 +159,9 @@ def _study(subject: ReportData, result: StudyResult, number: int) -> Section:
     ]
     numbers = result.table()
     if numbers.rows:
-        kept = numbers.chosen([place for place, one in enumerate(numbers.columns) if one.name not in LEFT_OUT_COLUMNS])
+        kept = numbers.chosen(
+            [place for place, column in enumerate(numbers.columns) if column.name not in LEFT_OUT_COLUMNS]
+        )
         blocks.append(_results(subject, study, kept, "Quantities over all variants", units))
     if result.notes:
         blocks.append(Listing(tuple(_said(subject, study, note) for note in result.notes)))
@@ -179,10 +182,17 @@ def _facts(study: Study) -> Iterator[tuple[str, Text]]:
         counts = " × ".join(str(axis.count) for axis in space.grid.values())
         yield "Values in turn", (phrase("{counts}, every combination", counts=counts),)
     if space.random_names and space.sampling is not None:
-        one = space.sampling
+        sampling = space.sampling
         yield (
             "Draws",
-            (phrase("{count}: {method}, seed {seed}", count=one.count, method=METHODS[one.method], seed=one.seed),),
+            (
+                phrase(
+                    "{count}: {method}, seed {seed}",
+                    count=sampling.count,
+                    method=METHODS[sampling.method],
+                    seed=sampling.seed,
+                ),
+            ),
         )
     if study.count:
         total, each = str(study.count), "{total}, {count} in each configuration"
@@ -212,23 +222,23 @@ def _answer(subject: ReportData, study: Study, result: StudyResult, file: str, n
 
     answer, title = study.answers[name], (capital(name.replace("_", " ")),)
     try:
-        found = answer.conclude(study, result)
+        conclusion = answer.conclude(study, result)
     except SolveError as error:
         text = sentence(f"{answer.kind.replace('_', ' ')}: {error}", subject.model)
         return Section(file, title, (Remark("warning", text),))
-    numbers = found.table()
+    numbers = conclusion.table()
     about = capital(numbers.short_title or numbers.title)
     caption = _phrase(subject, study, about + ".")
     blocks: list[Block] = []
-    if found.sentences:
-        blocks.append(Listing(tuple(_said(subject, study, text) for text in found.sentences)))
-    blocks.append(Picture(file, found.figure(units=units, title=""), caption, about + "."))
+    if conclusion.sentences:
+        blocks.append(Listing(tuple(_said(subject, study, text) for text in conclusion.sentences)))
+    blocks.append(Picture(file, conclusion.figure(units=units, title=""), caption, about + "."))
     if len(numbers.rows) <= MOST_ANSWER_ROWS:
         blocks.append(_results(subject, study, numbers, about, units))
     return Section(file, title, tuple(blocks))
 
 
-def _results(subject: ReportData, study: Study, found: Table, caption: str, units: ShownUnits) -> TableBlock:
+def _results(subject: ReportData, study: Study, numbers: Table, caption: str, units: ShownUnits) -> TableBlock:
     """Table of a study's results in the units of the study.
 
     A quantity that all rows have in common is named in the caption.
@@ -238,11 +248,11 @@ def _results(subject: ReportData, study: Study, found: Table, caption: str, unit
         is_name = text in study.quantities or text in study.space.names
         return symbol_or_words(text) if is_name else _phrase(subject, study, capital(text))
 
-    results = in_shown_units(found, units)
-    place = next((place for place, one in enumerate(results.columns) if one.name == "quantity"), None)
+    results = in_shown_units(numbers, units)
+    place = next((place for place, index in enumerate(results.columns) if index.name == "quantity"), None)
     if place is not None and len({row[place] for row in results.rows}) == 1:
         caption = f"{caption}: {results.rows[0][place]}"
-        results = results.chosen([one for one in range(len(results.columns)) if one != place])
+        results = results.chosen([index for index in range(len(results.columns)) if index != place])
     return results_table(results, _phrase(subject, study, caption), notes=False, words=shown, heads=shown)
 
 

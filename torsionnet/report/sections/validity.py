@@ -177,13 +177,13 @@ def _about(subject: ReportData, text: str, *kinds: type[Element]) -> Iterator[st
 
 def _named(subject: ReportData, fits: Callable[[Element, Definition], bool]) -> str:
     """Names of the elements that fit, in any configuration, as a text; empty if there are none."""
-    found = {
+    names = {
         name: None
         for case in subject.cases
         for name, element in case.drivetrain.elements.items()
         if fits(element, case.drivetrain.definition)
     }
-    return first_names([as_words(name) for name in found], MOST_NAMES)
+    return first_names([as_words(name) for name in names], MOST_NAMES)
 
 
 def _follows_point(element: Element, definition: Definition) -> bool:
@@ -218,32 +218,37 @@ PASSED = (
 
 def findings(subject: ReportData) -> list[Fault]:
     """Faults that the checks find in the model as written, then in each configuration."""
-    found = list(subject.model.check())
+    faults = list(subject.model.check())
     for case in subject.judged_cases:
-        known = {fault.message for fault in found}
-        found += [
+        known = {fault.message for fault in faults}
+        faults += [
             replace(fault, configuration=fault.configuration or case.configuration)
             for fault in case.drivetrain.check()
             if fault.message not in known
         ]
-    return found
+    return faults
 
 
 def warned(subject: ReportData) -> list[Fault]:
     """Warnings of the calculation of a report, each once; that a free drivetrain drifts off at 0 Hz is no news."""
-    told = (one for one in subject.warning_messages if not issubclass(one.category, FreeTurningWarning))
+    told = (
+        told_warning
+        for told_warning in subject.warning_messages
+        if not issubclass(told_warning.category, FreeTurningWarning)
+    )
     return [
-        Fault(text, severity="warning", kind="no-effect") for text in dict.fromkeys(str(one.message) for one in told)
+        Fault(text, severity="warning", kind="no-effect")
+        for text in dict.fromkeys(str(told_warning.message) for told_warning in told)
     ]
 
 
 def checks_section(subject: ReportData) -> Section:
     """Section of a report with the findings of the checks and the comparison of two ways of calculation."""
-    found = [*findings(subject), *warned(subject)]
+    faults = [*findings(subject), *warned(subject)]
     blocks: list[Block] = []
-    if not found:
+    if not faults:
         blocks.append(Paragraph((PASSED,)))
-    blocks += [Remark(fault.severity, sentence(capital(fault.text) + ".", subject.model)) for fault in found]
+    blocks += [Remark(fault.severity, sentence(capital(fault.text) + ".", subject.model)) for fault in faults]
     rows = list(_comparisons(subject))
     if rows:
         columns = (Heading("Comparison", wide=True), Heading("Largest relative difference", numeric=True))

@@ -121,7 +121,7 @@ def _set_properties(document: Any, report: Report) -> None:
     about.created = about.modified = made
     about.revision = 1
     package = document.part.package
-    for name in [name for name, one in package.rels.items() if one.reltype.endswith("/thumbnail")]:
+    for name in [name for name, relation in package.rels.items() if relation.reltype.endswith("/thumbnail")]:
         del package.rels[name]
 
 
@@ -256,8 +256,8 @@ def _drawing(document: Any, picture: Picture, number: int) -> str:
 
     data = figure_bytes(picture.figure, "png", FIGURE_DPI)
     size = picture.figure.get_size_inches()
-    scale = min(1.0, *(most / one for most, one in zip(LARGEST_FIGURE, size, strict=True)))
-    shown = document.part.new_pic_inline(io.BytesIO(data), *(Inches(float(one) * scale) for one in size))
+    scale = min(1.0, *(most / length for most, length in zip(LARGEST_FIGURE, size, strict=True)))
+    shown = document.part.new_pic_inline(io.BytesIO(data), *(Inches(float(length) * scale) for length in size))
     shown.docPr.set("id", str(number))
     shown.docPr.set("name", without_controls(picture.name))
     shown.docPr.set("descr", without_controls(picture.alt))

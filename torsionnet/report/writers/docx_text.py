@@ -53,7 +53,7 @@ def _row(parent: ET.Element) -> str:
         return _bracketed(inner[0], "".join(map(_math_part, inner[1:-1])), inner[-1])
     parts: list[str] = []
     while inner:
-        if [one.tag for one in inner[:3]] == ["mo", "mtable", "mo"]:
+        if [element.tag for element in inner[:3]] == ["mo", "mtable", "mo"]:
             parts.append(_bracketed(inner[0], _math_part(inner[1]), inner[2]))
             del inner[:3]
         else:
@@ -63,7 +63,7 @@ def _row(parent: ET.Element) -> str:
 
 def _bracketed(begin: ET.Element, inside: str, end: ET.Element) -> str:
     signs = "".join(
-        f'<m:{key} m:val="{escaped(one.text or "")}"/>' for key, one in (("begChr", begin), ("endChr", end))
+        f'<m:{key} m:val="{escaped(bracket.text or "")}"/>' for key, bracket in (("begChr", begin), ("endChr", end))
     )
     return f"<m:d><m:dPr>{signs}</m:dPr><m:e>{inside}</m:e></m:d>"
 
@@ -269,7 +269,7 @@ def title_block_xml(block: TitleTable) -> str:
     fields = _shares(17, 33, 17, 33)
     rows = []
     for row in block.rows:
-        cells = [_line(one) for label, text in row for one in (run(label, properties=SOFT), breaking(text))]
+        cells = [_line(part) for label, text in row for part in (run(label, properties=SOFT), breaking(text))]
         whole = len(row) == 1
         rows.append(table_row(cells, [fields[0], sum(fields[1:])] if whole else fields, spans=[1, 3] if whole else ()))
     revisions, lines = _shares(10, 12, 33, 15, 15, 15), _shares(17, 33, 17, 33)

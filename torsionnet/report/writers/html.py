@@ -214,7 +214,7 @@ class HtmlWriter(PageWriter):
     def _piece(self, piece: Piece, groups: Sequence[TableGroup], name: str) -> str:
         """Columns of a table, all or those of a piece, in a box that scrolls where the screen is narrow."""
         headings = [placed.column.heading for placed in piece]
-        head = "".join(f"<th{_class(one)} scope=col>{self._heading(one)}</th>" for one in headings)
+        head = "".join(f"<th{_class(heading)} scope=col>{self._heading(heading)}</th>" for heading in headings)
         body = "".join(self._group(group, piece) for group in groups)
         return (
             f"<div class=scroll tabindex=0 role=region aria-labelledby={name}>"

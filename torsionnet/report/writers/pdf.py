@@ -130,16 +130,16 @@ def find_browser() -> str:
     """
     given = os.environ.get(BROWSER_ENV)
     if given:
-        found = shutil.which(given) or (given if Path(given).is_file() else None)
-        if found is None:
+        program = shutil.which(given) or (given if Path(given).is_file() else None)
+        if program is None:
             raise MissingExtraError(
                 f'{BROWSER_ENV} names "{given}", which is no program; name the program file of Chromium, Chrome or Edge'
             )
-        return found
+        return program
     for path in _candidates():
-        found = shutil.which(path)
-        if found:
-            return found
+        program = shutil.which(path)
+        if program:
+            return program
     raise MissingExtraError(
         "a PDF is printed by a browser, and there is neither Chromium nor Chrome nor Edge: install one, name its "
         f"program in the environment variable {BROWSER_ENV}, or write -o report.html and print that from any browser"

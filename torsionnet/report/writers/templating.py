@@ -148,7 +148,7 @@ class BesideWriter(PageWriter):
         text = cls(report, folder.name).page()
         images = report.template.images if report.template else {}
         files = {_file(name): data for name, data in images.items() if f"{folder.name}/{_file(name)}" in text}
-        files |= {f"{one.name}.{cls.form}": figure_bytes(one.figure, cls.form) for one in report.pictures}
+        files |= {f"{picture.name}.{cls.form}": figure_bytes(picture.figure, cls.form) for picture in report.pictures}
         with _all_or_none(folder, files):
             for name, data in files.items():
                 folder.mkdir(exist_ok=True)
@@ -271,8 +271,8 @@ def _all_or_none(folder: Path, names: Iterable[str]) -> Iterator[None]:
         yield
     except BaseException:
         with contextlib.suppress(OSError):
-            for one in new:
-                one.unlink(missing_ok=True)
+            for path in new:
+                path.unlink(missing_ok=True)
             if made:
                 folder.rmdir()
         raise
