@@ -143,8 +143,8 @@ def cursor_context(text: str, offset: int) -> CursorContext:
 
     Examples
     --------
-    >>> found = cursor_context("elements:\\n  motor: {type: inertia, no", 37)
-    >>> found.path, found.is_key, found.word, found.is_flow
+    >>> context = cursor_context("elements:\\n  motor: {type: inertia, no", 37)
+    >>> context.path, context.is_key, context.word, context.is_flow
     (('elements', 'motor'), True, TextSpan(start=35, end=37), True)
     """
     return _Cursor(text, offset).context()

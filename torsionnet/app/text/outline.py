@@ -38,7 +38,7 @@ def outline(text: str, file: str = "") -> list[OutlineItem]:
     >>> text = "elements:\\n  disc: {type: inertia, node: hub, inertia: 2 kg*m^2}\\n"
     >>> (section,) = outline(text)
     >>> element = section.children[0]
-    >>> section.name, element.name, element.detail, [one.name for one in element.children]
+    >>> section.name, element.name, element.detail, [child.name for child in element.children]
     ('elements', 'disc', 'inertia at hub', ['hub'])
     """
     names = NamesInText.of(text, file)

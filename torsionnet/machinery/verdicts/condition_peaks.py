@@ -75,9 +75,10 @@ class JudgedPoint:
         """Value that the same limit allows in passing at this speed in SI, NaN where none is said."""
         own = self.verdict
         allowed = [
-            float(one.allowed[self.at])
-            for one in self.check.verdicts
-            if one.in_passing and (one.limit, one.quantity, one.unit) == (own.limit, own.quantity, own.unit)
+            float(verdict.allowed[self.at])
+            for verdict in self.check.verdicts
+            if verdict.in_passing
+            and (verdict.limit, verdict.quantity, verdict.unit) == (own.limit, own.quantity, own.unit)
         ]
         return min(allowed, default=math.nan)
 
@@ -201,7 +202,7 @@ class ConditionPeaks:
 def condition_peaks(
     drivetrain: AssembledModel,
     check: LimitCheck,
-    found: CriticalSpeeds,
+    critical_speeds: CriticalSpeeds,
     rated: float | None = None,
     *,
     refine: bool = True,
@@ -214,7 +215,7 @@ def condition_peaks(
         In the condition of the check.
     check : LimitCheck
         All limits over speed.
-    found : CriticalSpeeds
+    critical_speeds : CriticalSpeeds
         In the same condition.
     rated : float, optional
         Rated speed in rad/s of the reference shaft.
@@ -226,41 +227,41 @@ def condition_peaks(
     --------
     >>> import torsionnet as tn
     >>> ship = tn.load("bulk_carrier").configured("normal")
-    >>> found = condition_peaks(ship, ship.check_limits(), ship.critical_speeds(lines=["engine 6"]))
-    >>> worst = found.criticals[0]
+    >>> peaks = condition_peaks(ship, ship.check_limits(), ship.critical_speeds(lines=["engine 6"]))
+    >>> worst = peaks.criticals[0]
     >>> worst.critical.mode.number, round(worst.point.rpm), worst.point.verdict.limit, round(worst.utilisation, 2)
     (1, 51, 'propeller_shaft', 1.29)
     """
     # What rounding leaves of a force is none, as on a part that nothing connects to the machine that runs.
-    kept = tuple(one for one in found.crossings if not one.relative_force < NEGLIGIBLE_FORCE)
-    found = replace(found, crossings=kept)
+    kept = tuple(critical for critical in critical_speeds.crossings if not critical.relative_force < NEGLIGIBLE_FORCE)
+    critical_speeds = replace(critical_speeds, crossings=kept)
     low, high = float(check.speeds[0]), float(check.speeds[-1])
     inside = [speed for speed in (rated,) if speed is not None and low * (1 - 1e-9) <= speed <= high * (1 + 1e-9)]
-    met = [one for one in found.crossings if math.isfinite(one.natural_speed)]
-    each = [(one, line, peaks_in_limits(check, found, one))
-            for one in met if (line := line_index(check, found, one)) is not None]  # fmt: skip
+    met = [critical for critical in critical_speeds.crossings if math.isfinite(critical.natural_speed)]
+    each = [(critical, line, peaks_in_limits(check, critical_speeds, critical))
+            for critical in met if (line := line_index(check, critical_speeds, critical)) is not None]  # fmt: skip
     # A mode with little damping answers a generalised force that is small beside a cylinder's torque: its peak says so.
-    peaks = [(one, line, own) for one, line, own in each
-             if one.excited is not False or any(peak.share >= SMALL_SHARE for peak in own)]  # fmt: skip
-    wanted = [*inside, *(speed for one, line, own in peaks for speed in _speeds(check, one, own, line))]
-    tops = [top for one in vibratory_verdicts(check) if not one.in_passing for top in _tops(check, one)]
-    wanted += [vertex_speed(check.speeds, one.verdict.values, one.at) for one in tops]
+    peaks = [(critical, line, own) for critical, line, own in each
+             if critical.excited is not False or any(peak.share >= SMALL_SHARE for peak in own)]  # fmt: skip
+    wanted = [*inside, *(speed for critical, line, own in peaks for speed in _speeds(check, critical, own, line))]
+    tops = [top for verdict in vibratory_verdicts(check) if not verdict.in_passing for top in _tops(check, verdict)]
+    wanted += [vertex_speed(check.speeds, top.verdict.values, top.at) for top in tops]
     speeds = np.clip(np.unique(np.array(wanted)), low, high)
     if not len(speeds):
-        outside = tuple(CriticalRecord(one, None, None, line, False) for one, line, _ in peaks)
+        outside = tuple(CriticalRecord(critical, None, None, line, False) for critical, line, _ in peaks)
         return ConditionPeaks(check, check, None, outside, ())
     points = limits_at(drivetrain, speeds) if refine else check
     index = _index(points, inside[0]) if inside else None
-    criticals = tuple(_record(check, points, index, one, own, line) for one, line, own in peaks)
+    criticals = tuple(_record(check, points, index, critical, own, line) for critical, line, own in peaks)
     sums = tuple(_sum_peaks(check, points, tops, [peak for _, _, own in peaks for peak in own]))
-    ordered = sorted(criticals, key=lambda one: (one.critical.mode.number, one.critical.natural_speed))
+    ordered = sorted(criticals, key=lambda record: (record.critical.mode.number, record.critical.natural_speed))
     return ConditionPeaks(check, points, index, tuple(ordered), sums)
 
 
 def _speeds(check: LimitCheck, critical: CriticalSpeed, peaks: Sequence[OrderPeak], line: int) -> Iterator[float]:
     """Yield the speed in rad/s at which a critical speed is calculated once more; none out of the range."""
     if peaks:
-        best = max(peaks, key=lambda one: one.share)
+        best = max(peaks, key=lambda peak: peak.share)
         assert best.verdict.orders is not None
         yield vertex_speed(check.speeds, best.verdict.orders[:, line], best.at)
     elif check.speeds[0] <= critical.natural_speed <= check.speeds[-1]:
@@ -281,10 +282,10 @@ def _record(
         return CriticalRecord(critical, None, None, line, False)
     at = _index(points, speed)
     if peaks:
-        best = max(peaks, key=lambda one: one.share).verdict
+        best = max(peaks, key=lambda peak: peak.share).verdict
         verdict = _same(points, best)
     else:
-        verdict = max(vibratory_verdicts(points), key=lambda one: _share(points, one, at, line))
+        verdict = max(vibratory_verdicts(points), key=lambda judged: _share(points, judged, at, line))
     rest = None if rated is None else JudgedPoint(points, verdict, rated)
     point = JudgedPoint(points, verdict, at)
     return CriticalRecord(critical.in_case(point.case), point, rest, line, bool(peaks))
@@ -308,7 +309,7 @@ class _Top:
         """Order that makes the maximum: that whose amplitude drops most from it to the valley."""
         assert self.verdict.orders is not None
         drops = self.verdict.orders[self.at] - self.verdict.orders[self.valley]
-        return max(summed, key=lambda one: float(drops[[*one.places]].max()))
+        return max(summed, key=lambda order: float(drops[[*order.places]].max()))
 
 
 def _tops(check: LimitCheck, verdict: LimitVerdict) -> Iterator[_Top]:
@@ -336,18 +337,18 @@ def _sum_peaks(
         worst = verdict.worst
         if verdict.in_passing or worst is None:
             continue
-        own, here = [one for one in tops if one.verdict is verdict], JudgedPoint(check, verdict, worst)
+        own, here = [top for top in tops if top.verdict is verdict], JudgedPoint(check, verdict, worst)
         near = [peak for peak in peaks if peak.verdict is verdict]
-        found = [] if any(_is_near(check, one, worst) for one in own) else [_without_mode(here)]
-        nearest = min(own, key=lambda one: abs(one.at - worst), default=None)
+        sum_peaks = [] if any(_is_near(check, top, worst) for top in own) else [_without_mode(here)]
+        nearest = min(own, key=lambda top: abs(top.at - worst), default=None)
         for top in own:
             # The most used place is that of the check itself, so that its numbers are the same everywhere.
             speed = vertex_speed(check.speeds, verdict.values, top.at)
             there = JudgedPoint(points, _same(points, verdict), _index(points, speed))
             order = top.made_by(check.summed)
             point = here if top is nearest and _is_near(check, top, worst) else there
-            found.append(SumPeak(point, order.name, _mode_near(point, order, near), True))
-        yield from sorted(found, key=lambda one: one.point.rpm)
+            sum_peaks.append(SumPeak(point, order.name, _mode_near(point, order, near), True))
+        yield from sorted(sum_peaks, key=lambda peak: peak.point.rpm)
 
 
 def _is_near(check: LimitCheck, top: _Top, at: int) -> bool:
@@ -356,7 +357,7 @@ def _is_near(check: LimitCheck, top: _Top, at: int) -> bool:
 
 def _without_mode(point: JudgedPoint) -> SumPeak:
     """Place where a limit is used most although the sum has no maximum there, as at the end of a range of speeds."""
-    return SumPeak(point, max(point.check.summed, key=lambda one: point.order(one.places)).name, None, False)
+    return SumPeak(point, max(point.check.summed, key=lambda order: point.order(order.places)).name, None, False)
 
 
 def _mode_near(point: JudgedPoint, order: SummedOrder, peaks: Sequence[OrderPeak]) -> int | None:
@@ -399,19 +400,19 @@ def little_damped(
 
     Limits used by less than ``LEAST_USE`` are left out, and orders that use less than ``LEAST_SHARE`` of the limit.
     """
-    found = []
-    for one in worst:
+    near_resonance = []
+    for limit in worst:
         there = [
             (record.share, record)
             for record in records
-            if record.point is not None and record.is_peak and one.rpm is not None
-            if record.point.verdict.limit == one.verdict.limit
-            and record.point.verdict.criterion == one.verdict.criterion
-            and (one.utilisation or 0.0) >= LEAST_USE
+            if record.point is not None and record.is_peak and limit.rpm is not None
+            if record.point.verdict.limit == limit.verdict.limit
+            and record.point.verdict.criterion == limit.verdict.criterion
+            and (limit.utilisation or 0.0) >= LEAST_USE
             and record.share >= LEAST_SHARE
-            and abs(record.point.rpm / one.rpm - 1) <= SAME_PLACE
+            and abs(record.point.rpm / limit.rpm - 1) <= SAME_PLACE
             and 0 <= record.critical.mode.damping_ratio < LITTLE_DAMPING
         ]
         if there:
-            found.append((one, max(there, key=lambda pair: pair[0])[1]))
-    return tuple(found)
+            near_resonance.append((limit, max(there, key=lambda pair: pair[0])[1]))
+    return tuple(near_resonance)

@@ -71,14 +71,14 @@ def by_range(checks: Sequence[LimitCheck], *, running: bool = False) -> dict[tup
 
     With ``running`` those between which the machine runs, where limits have a speed band.
     """
-    found: dict[tuple[float, float], list[LimitCheck]] = {}
+    by_ends: dict[tuple[float, float], list[LimitCheck]] = {}
     for check in checks:
         examined = SpeedSpan(float(check.speeds[0]), float(check.speeds[-1]))
         ((first, last),) = rpm_spans([(check.running if running else None) or examined])
         # Ten digits: the ends of one range may differ in rounding.
         low, high = (float(f"{speed:.10g}") for speed in (first, last))
-        found.setdefault((low, high), []).append(check)
-    return found
+        by_ends.setdefault((low, high), []).append(check)
+    return by_ends
 
 
 def band_findings(checks: Sequence[LimitCheck], where: Callable[[Sequence[str]], str]) -> Iterator[str]:
@@ -86,42 +86,50 @@ def band_findings(checks: Sequence[LimitCheck], where: Callable[[Sequence[str]],
 
     ``where`` makes the end of a sentence of names of configurations.
     """
-    found: dict[str, list[str]] = {}
+    configurations: dict[str, list[str]] = {}
     for check in checks:
         for sentence in _band_sentences(check):
-            found.setdefault(sentence, []).append(check.configuration)
-    yield from (phrase("{sentence}{where}", sentence=text, where=where(names)) for text, names in found.items())
+            configurations.setdefault(sentence, []).append(check.configuration)
+    yield from (
+        phrase("{sentence}{where}", sentence=text, where=where(names)) for text, names in configurations.items()
+    )
 
 
 def _band_sentences(check: LimitCheck) -> Iterator[str]:
     """Sentences on the speeds in which limits with a speed band were judged, where more speeds were examined."""
-    found: dict[SpeedSpan, list[str]] = {}
+    limits_by_span: dict[SpeedSpan, list[str]] = {}
     ends = SpeedSpan(float(check.speeds[0]), float(check.speeds[-1]))
-    for one in check.verdicts:
-        in_band = one.running and one.judged and one.judged[0].low >= one.running.low * (1 - WHOLE_RPM_RELATIVE)
-        if one.running != ends and in_band:
-            found.setdefault(one.judged[0], []).append(f"{one.limit} {one.criterion}")
-    for span, names in found.items():
+    for verdict in check.verdicts:
+        in_band = (
+            verdict.running
+            and verdict.judged
+            and verdict.judged[0].low >= verdict.running.low * (1 - WHOLE_RPM_RELATIVE)
+        )
+        if verdict.running != ends and in_band:
+            limits_by_span.setdefault(verdict.judged[0], []).append(f"{verdict.limit} {verdict.criterion}")
+    for span, names in limits_by_span.items():
         low, high = span.low * RPM, span.high * RPM
         yield phrase(IN_BAND, low=low, high=high, shaft=check.reference, limits=listed_names(names))
 
 
 def starts_words(checks: Sequence[LimitCheck]) -> str:
     """Words in a verdict on how far starts were examined in all its conditions."""
-    lows = [one.run_up.rpm[0] for one in checks if one.run_up]
+    lows = [check.run_up.rpm[0] for check in checks if check.run_up]
     return phrase(STARTS) if len(lows) < len(checks) else phrase(STARTS_EXAMINED, speed=max(lows))
 
 
 def starts_findings(checks: Sequence[LimitCheck], where: Callable[[Sequence[str]], str]) -> Iterator[str]:
     """Sentences on the starts of all conditions; ``where`` makes the end of a sentence of names of configurations."""
-    known = [one for one in checks if one.run_up]
+    known = [check for check in checks if check.run_up]
     if len(known) < len(checks):
-        yield starts_sentence(max(one.rpm[0] for one in checks if not one.run_up), checks[0].reference)
-    found: dict[str, list[str]] = {}
-    for one in known:
-        for sentence in run_up_sentences(not_none(one.run_up)):
-            found.setdefault(sentence, []).append(one.configuration)
-    yield from (phrase("{sentence}{where}", sentence=text, where=where(names)) for text, names in found.items())
+        yield starts_sentence(max(check.rpm[0] for check in checks if not check.run_up), checks[0].reference)
+    configurations: dict[str, list[str]] = {}
+    for check in known:
+        for sentence in run_up_sentences(not_none(check.run_up)):
+            configurations.setdefault(sentence, []).append(check.configuration)
+    yield from (
+        phrase("{sentence}{where}", sentence=text, where=where(names)) for text, names in configurations.items()
+    )
 
 
 IN_BAND = "{limits} judged in the speed band alone, {low:.6g} to {high:.6g} rpm of {shaft}"
@@ -210,20 +218,20 @@ class LimitCheck(SavedResult):
 
         "incomplete" instead of one that permits operation if no configuration was chosen although there are some.
         """
-        found = [one.verdict for one in self._concerned]
-        found += [self.run_up.verdict] if self.run_up else []
-        return gravest([*found, *([INCOMPLETE] if self.others and not self.configuration else [])])
+        verdicts = [judged.verdict for judged in self._concerned]
+        verdicts += [self.run_up.verdict] if self.run_up else []
+        return gravest([*verdicts, *([INCOMPLETE] if self.others and not self.configuration else [])])
 
     @property
     def _concerned(self) -> list[LimitVerdict]:
         """Verdicts on limits that concern the speeds of this configuration, where others may concern the rest."""
-        here = [one for one in self.verdicts if not one.elsewhere]
+        here = [verdict for verdict in self.verdicts if not verdict.elsewhere]
         return here if here and self.others else list(self.verdicts)
 
     @property
     def barred(self) -> tuple[SpeedSpan, ...]:
         """Speed ranges in rad/s to be barred by any limit in one configuration, joined where they overlap."""
-        return joined_spans([span for one in self.verdicts for span in one.barred])
+        return joined_spans([span for verdict in self.verdicts for span in verdict.barred])
 
     @property
     def barred_rpm(self) -> tuple[tuple[float, float], ...]:
@@ -255,8 +263,11 @@ class LimitCheck(SavedResult):
 
         Where no speed of them is permitted, it runs below, and there is none either.
         """
-        bands = [one.running for one in self.verdicts if one.running]
-        low, high = min((one.low for one in bands), default=0.0), max((one.high for one in bands), default=0.0)
+        bands = [verdict.running for verdict in self.verdicts if verdict.running]
+        low, high = (
+            min((band.low for band in bands), default=0.0),
+            max((band.high for band in bands), default=0.0),
+        )
         reached = self.highest is None or self.highest > low * (1 + WHOLE_RPM_RELATIVE)
         return SpeedSpan(low, high) if bands and reached else None
 
@@ -294,8 +305,8 @@ class LimitCheck(SavedResult):
 
     def finding(self, where: str = "") -> str:
         """Sentence that concludes on the limits in one configuration, in which ``where`` names the configuration."""
-        failed = list(dict.fromkeys(one.limit for one in self.verdicts if one.verdict == FAIL))
-        unjudged = list(dict.fromkeys(one.limit for one in self._concerned if one.verdict == OPEN))
+        failed = list(dict.fromkeys(verdict.limit for verdict in self.verdicts if verdict.verdict == FAIL))
+        unjudged = list(dict.fromkeys(verdict.limit for verdict in self._concerned if verdict.verdict == OPEN))
         template = "{limit} do not hold{where}" if len(failed) > 1 else "{limit} does not hold{where}"
         parts = [phrase(template, limit=", ".join(failed), where=where)] if failed else []
         if self.highest is not None:
@@ -318,18 +329,22 @@ class LimitCheck(SavedResult):
         UsageError
             There is no such limit, or it has several criteria and none is named.
         """
-        found = [one for one in self.verdicts if one.limit == limit and criterion in (None, one.criterion)]
-        if len(found) == 1:
-            return found[0]
-        known = [f"{one.limit} {one.criterion}" for one in self.verdicts]
+        named = [
+            verdict for verdict in self.verdicts if verdict.limit == limit and criterion in (None, verdict.criterion)
+        ]
+        if len(named) == 1:
+            return named[0]
+        known = [f"{verdict.limit} {verdict.criterion}" for verdict in self.verdicts]
         asked = f"{limit} {criterion}" if criterion else limit
-        what = f"say which criterion of {limit}" if found else f'no limit "{asked}"{did_you_mean(asked, known)}'
+        what = f"say which criterion of {limit}" if named else f'no limit "{asked}"{did_you_mean(asked, known)}'
         raise UsageError(f"{what}; there are {', '.join(known)}", kind="unknown-name")
 
     def table(self, conventions: Conventions = SI) -> Table:
         """Table of limits with a row for each criterion at its worst speed in rpm, and the rules as notes."""
         notes = [f"speeds of {self.reference}, {self.rpm[0]:g} to {self.rpm[-1]:g} rpm", *self.notes]
-        said = ((f"{one.limit}, {one.criterion}", "", text) for one in self.verdicts for text in one.remarks)
+        said = (
+            (f"{verdict.limit}, {verdict.criterion}", "", text) for verdict in self.verdicts for text in verdict.remarks
+        )
         notes += [f"{'; '.join(abouts)}: {text}" for abouts, _, text in grouped_remarks(said)]
         for text, names in self.texts().items():
             notes += [f"{', '.join(names)}: {text.source}", f"  {text.formula}"]
@@ -343,19 +358,21 @@ class LimitCheck(SavedResult):
 
     def texts(self) -> dict[RuleText, list[str]]:
         """Lists of the names of the limits, by the text of their rule."""
-        found: dict[RuleText, list[str]] = {}
-        for one in self.verdicts:
-            names = found.setdefault(one.text, [])
-            names += [] if one.limit in names else [one.limit]
-        return found
+        limits_by_text: dict[RuleText, list[str]] = {}
+        for verdict in self.verdicts:
+            names = limits_by_text.setdefault(verdict.text, [])
+            names += [] if verdict.limit in names else [verdict.limit]
+        return limits_by_text
 
     def long_table(self) -> Table:
         """Table of value, allowed value (SI) and utilisation of each criterion of the limits at every speed in rpm."""
         rows = [
-            LimitPoint(one.limit, one.of, one.criterion, rpm, value, allowed, one.unit, share)
-            for one in self.verdicts
-            if len(one.values)
-            for rpm, value, allowed, share in np.stack([self.rpm, one.values, one.allowed, one.utilisation]).T.tolist()
+            LimitPoint(verdict.limit, verdict.of, verdict.criterion, rpm, value, allowed, verdict.unit, share)
+            for verdict in self.verdicts
+            if len(verdict.values)
+            for rpm, value, allowed, share in np.stack(
+                [self.rpm, verdict.values, verdict.allowed, verdict.utilisation]
+            ).T.tolist()
         ]
         notes = (f"speeds of {self.reference}",)
         return result_table(f"{self.title}: limits over speed", rows, LimitPoint, notes=notes)

@@ -128,8 +128,8 @@ def _check(
     examined = ExaminedSpeeds.of(drivetrain, speeds, excitations=asked, refine=refine, nonlinear=nonlinear)
     examination = _Examination(drivetrain, subject, chosen, asked, examined)
     breaks = np.array([speed for limit in chosen.values() for speed in limit.breaks(subject)])
-    found, verdicts = examination.examined(examined.first(breaks))
-    run, evidence = found.run, found.evidence
+    curves, verdicts = examination.examined(examined.first(breaks))
+    run, evidence = curves.run, curves.evidence
     run_up = _run_up(examination, evidence) if starts else None
     notes = [NO_CYCLE] * (run.revolutions is None)
     notes += [_cylinder_note(drivetrain.definition)] * subject.misfiring + [*run.engine_notes]
@@ -161,15 +161,15 @@ def _run_up(running: _Examination, evidence: Evidence) -> RunUpCheck | None:
         examination = _Examination(
             acting, running.subject, running.limits, running.excitations, passed, loaded, evidence.rated_means
         )
-        found = examination.resolved(examination.at(passed.first(np.empty(0))))
+        examined = examination.resolved(examination.at(passed.first(np.empty(0))))
     except UsageError as error:
         raise UsageError(f"run-up: {error}", kind=error.kind) from None
     judged = []
-    for (name, limit), lines in zip(running.limits.items(), found.lines, strict=True):
+    for (name, limit), lines in zip(running.limits.items(), examined.lines, strict=True):
         for line in lines:
             if not line.absent and (line.why_not or np.isfinite(line.allowed).any()):
-                steady = limit.while_passed(line, name, found.evidence)
-                judged.append(_at_its_rate(examination, run_up, limit, found.evidence, steady))
+                steady = limit.while_passed(line, name, examined.evidence)
+                judged.append(_at_its_rate(examination, run_up, limit, examined.evidence, steady))
     return RunUpCheck(*run_up.range, speeds.of, run_up.load, run_up.rate, tuple(judged))
 
 
@@ -177,11 +177,13 @@ def _at_its_rate(
     running: _Examination, run_up: StartingRange, limit: Limit, evidence: Evidence, steady: LimitVerdict
 ) -> PassedLimit:
     """Verdict on a limit that steady vibration exceeds, by the vibration while the speed rises at its rate."""
-    found = limit.passing_sensors(steady.criterion, running.subject) if steady.verdict in (FAIL, OPEN) else None
+    sensors_and_factor = (
+        limit.passing_sensors(steady.criterion, running.subject) if steady.verdict in (FAIL, OPEN) else None
+    )
     # The passage is that of a linear drivetrain: motions that jump are judged as if each speed lasted.
-    if run_up.rate is None or found is None or not len(steady.values) or running.speeds.periodic:
+    if run_up.rate is None or sensors_and_factor is None or not len(steady.values) or running.speeds.periodic:
         return PassedLimit(steady)
-    sensors, factor = found
+    sensors, factor = sensors_and_factor
     above = spans_above(steady.speeds, steady.values, steady.allowed)
     wide = RUN_IN_SHARE * (above[-1].high - above[0].low)
     # Only the speeds around those at which the steady value is too large are passed in time.
@@ -190,7 +192,7 @@ def _at_its_rate(
         running.drivetrain, sensors, [0.0, (span.high - span.low) / run_up.rate], [span.low, span.high],
         speed_of=running.speeds.reference, excitation=running.excitations,
     )  # fmt: skip
-    peak = max((run.peak(str(sensor)) for sensor in sensors), key=lambda one: one.half_range)
+    peak = max((run.peak(str(sensor)) for sensor in sensors), key=lambda half_range_peak: half_range_peak.half_range)
     # The mean part of the value, as of T_mean + T_v, is the same whether the speed rises or not.
     mean = float(np.max(steady.values - factor * evidence.size(sensors)))
     return PassedLimit(steady, factor * peak.half_range + mean, peak.rpm)
@@ -204,14 +206,18 @@ def at_load(drivetrain: AssembledModel, share: float) -> tuple[AssembledModel, A
     definition = drivetrain.definition
     load = None if definition.load is None else definition.load.at_share(share)
     loaded = with_tangents(replace(definition, load=load))
-    engines = {name: one.at_load(share) for name, one in definition.excitations.items()}
+    engines = {name: excitation.at_load(share) for name, excitation in definition.excitations.items()}
     acting = replace(loaded, excitations=engines)
     return drivetrain.with_definition(acting), drivetrain.with_definition(loaded)
 
 
 def _cylinder_note(definition: Definition) -> str:
-    out = [one for one in definition.excitations.values() if isinstance(one, EngineEntries) and one.has_lost_cylinder]
-    return UNLOADED if all(one.absorbs for one in out) else MISFIRING
+    out = [
+        engine
+        for engine in definition.excitations.values()
+        if isinstance(engine, EngineEntries) and engine.has_lost_cylinder
+    ]
+    return UNLOADED if all(engine.absorbs for engine in out) else MISFIRING
 
 
 def _left_out(definition: Definition, limits: Iterable[str], excitations: Iterable[str] | None) -> tuple[str, ...]:
@@ -308,60 +314,62 @@ class _Examination:
 
     def examined(self, speeds: FloatArray) -> tuple[_Examined, tuple[LimitVerdict, ...]]:
         """Curves and settled verdicts over the speeds (n,) in rad/s, and over those that resolve the curves."""
-        found = self.resolved(self.at(speeds))
-        verdicts = self.verdicts(found)
-        top = highest_permitted(verdicts, found.run.speeds)
-        bands = [one.running for one in verdicts if one.running]
+        curves = self.resolved(self.at(speeds))
+        verdicts = self.verdicts(curves)
+        top = highest_permitted(verdicts, curves.run.speeds)
+        bands = [verdict.running for verdict in verdicts if verdict.running]
         # Where no speed remains, limits keep their bands.
-        remains = top is not None and top > found.run.speeds[0] * (1 + 1e-9)
+        remains = top is not None and top > curves.run.speeds[0] * (1 + 1e-9)
         if top is not None and remains and bands and all(band.low >= top * (1 - 1e-9) for band in bands):
             # No speed of a band is permitted: the machine runs below, where its limits are judged, too.
             below = replace(self, run_below=top)
-            found = below.resolved(below.judged_by(replace(found.evidence, run_below=top)))
-            verdicts = below.verdicts(found)
-        return found, settled(verdicts, found.run.speeds)
+            curves = below.resolved(below.judged_by(replace(curves.evidence, run_below=top)))
+            verdicts = below.verdicts(curves)
+        return curves, settled(verdicts, curves.run.speeds)
 
-    def resolved(self, found: _Examined) -> _Examined:
+    def resolved(self, curves: _Examined) -> _Examined:
         """Curves at further speeds, so many that peaks and ends of ranges are known, if that is asked for."""
-        return refine_speeds(found, self.wanted, self.with_more) if self.speeds.to_peaks else found
+        return refine_speeds(curves, self.wanted, self.with_more) if self.speeds.to_peaks else curves
 
-    def verdicts(self, found: _Examined) -> tuple[LimitVerdict, ...]:
+    def verdicts(self, curves: _Examined) -> tuple[LimitVerdict, ...]:
         """Verdicts of all limits on their curves, each by itself."""
-        limits = zip(self.limits.items(), found.lines, strict=True)
-        every = tuple(one for (name, limit), lines in limits for one in limit.verdicts(name, found.evidence, lines))
+        limits = zip(self.limits.items(), curves.lines, strict=True)
+        every = tuple(
+            verdict for (name, limit), lines in limits for verdict in limit.verdicts(name, curves.evidence, lines)
+        )
         # A limit that only motions keep that are not met is not known to hold.
-        unmet = found.run.unmet.any()
+        unmet = curves.run.unmet.any()
         return tuple(
-            replace(one, verdict=OPEN, remarks=(*one.remarks, phrase(NOT_MET)))
-            if unmet and one.verdict == PASS
-            else one
-            for one in every
+            replace(verdict, verdict=OPEN, remarks=(*verdict.remarks, phrase(NOT_MET)))
+            if unmet and verdict.verdict == PASS
+            else verdict
+            for verdict in every
         )
 
-    def wanted(self, found: _Examined) -> FloatArray:
+    def wanted(self, curves: _Examined) -> FloatArray:
         """Speeds (n,) in rad/s to add where the curves of the limits are not resolved yet."""
-        lines = [line for group in found.lines for line in group if not line.why_not]
+        lines = [line for group in curves.lines for line in group if not line.why_not]
         if not lines:
             return np.empty(0)
         used = np.stack([line.utilisation for line in lines], axis=1)
-        tops = [column for line in lines for column in _tops(found.run.speeds, line)]
+        tops = [column for line in lines for column in _tops(curves.run.speeds, line)]
         # Utilisation 1 is where a range to be barred begins and ends; its top decides how wide it is usually barred.
-        by_level = speeds_to_refine(found.run.speeds, used, 1.0)
-        by_top = speeds_to_refine(found.run.speeds, np.stack(tops, axis=1)) if tops else np.empty(0)
+        by_level = speeds_to_refine(curves.run.speeds, used, 1.0)
+        by_top = speeds_to_refine(curves.run.speeds, np.stack(tops, axis=1)) if tops else np.empty(0)
         return np.unique(np.concatenate([by_level, by_top]))
 
-    def with_more(self, found: _Examined, speeds: FloatArray) -> _Examined:
+    def with_more(self, curves: _Examined, speeds: FloatArray) -> _Examined:
         """Responses and limit curves at the speeds known so far and at further ``speeds`` in rad/s, sorted by speed."""
         more = self.at(speeds)
-        run, order = merged_responses(found.run, more.run)
+        run, order = merged_responses(curves.run, more.run)
         means = {
             sensor: np.concatenate([values, more.evidence.means[sensor]])[order]
-            for sensor, values in found.evidence.means.items()
+            for sensor, values in curves.evidence.means.items()
         }
-        evidence = replace(found.evidence, run=run, means=means)
+        evidence = replace(curves.evidence, run=run, means=means)
         lines = tuple(
             tuple(merged_line(pair, order) for pair in zip(*groups, strict=True))
-            for groups in zip(found.lines, more.lines, strict=True)
+            for groups in zip(curves.lines, more.lines, strict=True)
         )
         return _Examined(evidence, lines)
 
@@ -394,14 +402,14 @@ def _chosen(known: Mapping[str, Limit], names: str | Iterable[str] | None) -> di
 
 def _seen(subject: LimitSubject, limits: Sequence[Limit]) -> list[Sensor]:
     """Sensors of torques, twists and stresses that the limits need, each once."""
-    found = [sensor for limit in limits for sensor in limit.order_sensors(subject)]
+    sensors_needed = [sensor for limit in limits for sensor in limit.order_sensors(subject)]
     for limit in limits:
         for name in limit.power_elements():
-            found += power_sensors(power_flows(subject.active[name], Values(subject.values)))
-    if not found:
+            sensors_needed += power_sensors(power_flows(subject.active[name], Values(subject.values)))
+    if not sensors_needed:
         text = "all elements with limits are switched off in this condition"
         raise UsageError(f"{text}; check limits in a configuration that has them on", kind="switched-off")
-    return list(dict.fromkeys(found))
+    return list(dict.fromkeys(sensors_needed))
 
 
 def _means(
@@ -430,11 +438,11 @@ def _one_by_one(
 
     See :func:`_means`.
     """
-    found: dict[Sensor, FloatArray] = {}
+    means: dict[Sensor, FloatArray] = {}
     why = ""
     for sensor in sensors:
         try:
-            found[sensor] = means_of(drivetrain, sensor, speeds, all_working=all_working).values[:, 0]
+            means[sensor] = means_of(drivetrain, sensor, speeds, all_working=all_working).values[:, 0]
         except UsageError as error:
             why = str(error)
-    return found, why
+    return means, why

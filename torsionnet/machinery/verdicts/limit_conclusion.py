@@ -85,8 +85,8 @@ class LimitConclusion:
     --------
     >>> import torsionnet as tn
     >>> ship = tn.load("two_stroke_ship")
-    >>> found = LimitConclusion((ship.configured("normal").check_limits("tail"),))
-    >>> found.verdict, found.not_examined
+    >>> conclusion = LimitConclusion((ship.configured("normal").check_limits("tail"),))
+    >>> conclusion.verdict, conclusion.not_examined
     ('incomplete', ('misfire', 'misfire_2'))
     """
 
@@ -109,12 +109,12 @@ class LimitConclusion:
     @property
     def not_examined(self) -> tuple[str, ...]:
         """Names of the configurations of the model for which there is no check of limits."""
-        return tuple(name for name in self.configurations if all(name in one.others for one in self.checks))
+        return tuple(name for name in self.configurations if all(name in check.others for check in self.checks))
 
     @property
     def left_out(self) -> tuple[str, ...]:
         """Texts on the limits and excitations that the checks of limits left out."""
-        return tuple(dict.fromkeys(words for one in self.checks for words in one.left_out))
+        return tuple(dict.fromkeys(words for check in self.checks for words in check.left_out))
 
     @property
     def verdict(self) -> Annotated[str, Out(schema=VERDICT)]:
@@ -122,14 +122,14 @@ class LimitConclusion:
 
         "incomplete" instead of one that permits operation if not all was examined.
         """
-        found = [one.verdict for _, one in self._verdicts()]
-        found += [one.run_up.verdict for one in self.checks if one.run_up]
-        return gravest([*found, *([INCOMPLETE] if self.not_examined or self.left_out else [])])
+        verdicts = [judged.verdict for _, judged in self._verdicts()]
+        verdicts += [check.run_up.verdict for check in self.checks if check.run_up]
+        return gravest([*verdicts, *([INCOMPLETE] if self.not_examined or self.left_out else [])])
 
     @property
     def barred(self) -> tuple[SpeedSpan, ...]:
         """Speed ranges in rad/s to be barred in any configuration, joined where they overlap."""
-        return joined_spans([span for one in self.checks for span in one.barred])
+        return joined_spans([span for check in self.checks for span in check.barred])
 
     @property
     def barred_rpm(self) -> tuple[tuple[float, float], ...]:
@@ -156,20 +156,20 @@ class LimitConclusion:
         >>> worst.verdict.criterion, worst.gravest, round(worst.rpm), round(worst.utilisation, 2)
         ('tau_C', 'reduced speed', 104, 1.1)
         """
-        found: dict[tuple[str, str], list[tuple[LimitCheck, LimitVerdict]]] = {}
-        for check, one in self._verdicts():
-            found.setdefault((one.limit, one.criterion), []).append((check, one))
+        by_criterion: dict[tuple[str, str], list[tuple[LimitCheck, LimitVerdict]]] = {}
+        for check, verdict in self._verdicts():
+            by_criterion.setdefault((verdict.limit, verdict.criterion), []).append((check, verdict))
         worst = [
-            WorstLimit(*max(those, key=lambda pair: _use(pair[1])), gravest(one.verdict for _, one in those))
-            for those in found.values()
+            WorstLimit(*max(those, key=lambda pair: _use(pair[1])), gravest(verdict.verdict for _, verdict in those))
+            for those in by_criterion.values()
         ]
-        return tuple(sorted(worst, key=lambda one: -(math.inf if one.utilisation is None else one.utilisation)))
+        return tuple(sorted(worst, key=lambda limit: -(math.inf if limit.utilisation is None else limit.utilisation)))
 
     def worst_table(self, conventions: Conventions = SI) -> Table:
         """Table of limits with a row per criterion, in the configuration and at the speed of largest utilisation."""
         worst = self.worst()
-        tables = [replace(one.check, verdicts=(one.verdict,)).table(conventions) for one in worst]
-        rows = [(one.check.configuration, *table.rows[0]) for one, table in zip(worst, tables, strict=True)]
+        tables = [replace(limit.check, verdicts=(limit.verdict,)).table(conventions) for limit in worst]
+        rows = [(limit.check.configuration, *table.rows[0]) for limit, table in zip(worst, tables, strict=True)]
         return Table("worst of all configurations", (Column("configuration"), *tables[0].columns), tuple(rows))
 
     @property
@@ -185,7 +185,7 @@ class LimitConclusion:
         """
         if len(self.checks) == 1 and self.titles is None:
             return self.checks[0].findings
-        examined = [self._titled(one.configuration) for one in self.checks]
+        examined = [self._titled(check.configuration) for check in self.checks]
         missing = unexamined_sentence(
             [self._titled(name) for name in self.not_examined], [self._titled(name) for name in self.configurations],
             examined,
@@ -200,9 +200,11 @@ class LimitConclusion:
 
     def _verdicts(self) -> Iterator[tuple[LimitCheck, LimitVerdict]]:
         """Yield pairs of check and verdict, none on a switched-off element whose limit another check judges."""
-        judged = {one.limit for check in self.checks for one in check.verdicts if one.verdict != OPEN}
+        judged = {verdict.limit for check in self.checks for verdict in check.verdicts if verdict.verdict != OPEN}
         for check in self.checks:
-            yield from ((check, one) for one in check.verdicts if not (one.absent and one.limit in judged))
+            yield from (
+                (check, verdict) for verdict in check.verdicts if not (verdict.absent and verdict.limit in judged)
+            )
 
     def _found(self) -> list[str]:
         failed, unjudged, restricted = self._of(FAIL), self._of(OPEN), self._restrictions()
@@ -219,8 +221,8 @@ class LimitConclusion:
 
     def _rated_not_reached(self) -> Iterator[str]:
         """Sentence that no condition examined permits rated speed; nothing where one does, or none examines it."""
-        reach = [one for one in self.checks if one.rated and one.speeds[0] <= one.rated <= one.speeds[-1]]
-        if reach and not any(one.permits(one.rated or 0.0) for one in reach):
+        reach = [check for check in self.checks if check.rated and check.speeds[0] <= check.rated <= check.speeds[-1]]
+        if reach and not any(check.permits(check.rated or 0.0) for check in reach):
             rated = (reach[0].rated or 0.0) * RPM
             yield phrase(RATED_NOT_REACHED, speed=rated, shaft=self._shaft)
 
@@ -233,7 +235,7 @@ class LimitConclusion:
     def _all_hold(self) -> Iterator[str]:
         template = ALL_EXAMINED_HOLD if self.left_out else ALL_HOLD
         for (low, high), checks in by_range(self.checks).items():
-            where = self._where([one.configuration for one in checks])
+            where = self._where([check.configuration for check in checks])
             yield phrase(template, where=where, low=low, high=high, shaft=self._shaft)
 
     @property
@@ -242,11 +244,11 @@ class LimitConclusion:
 
     def _of(self, verdict: str) -> dict[str, str]:
         """Text that names the configurations in which a limit has the given verdict, by name of the limit."""
-        found: dict[str, list[str]] = {}
-        for check, one in self._verdicts():
-            if one.verdict == verdict:
-                found.setdefault(one.limit, []).append(check.configuration)
-        return {name: self._where(list(dict.fromkeys(names))) for name, names in found.items()}
+        configurations: dict[str, list[str]] = {}
+        for check, judged in self._verdicts():
+            if judged.verdict == verdict:
+                configurations.setdefault(judged.limit, []).append(check.configuration)
+        return {name: self._where(list(dict.fromkeys(names))) for name, names in configurations.items()}
 
     def _restrictions(self) -> list[str]:
         """Texts on the speeds in rpm that are not permitted, for each condition, or several that have the same."""
@@ -267,7 +269,7 @@ class LimitConclusion:
         rest = sum(map(len, [*alike.values()][MOST_RESTRICTIONS:]))
         if rest:
             parts.append(phrase("{count} further conditions are restricted by the operating instructions", count=rest))
-        calm = [one.configuration for one in self.checks if one.verdict == PASS]
+        calm = [check.configuration for check in self.checks if check.verdict == PASS]
         if calm and parts and not any(holds for _, holds, _ in alike):
             return [phrase("limits hold{where}", where=self._where(calm)), *parts]
         return parts
@@ -287,11 +289,11 @@ class LimitConclusion:
         return self.titles.several(named, self.configurations) if self.titles and named else listed_names(named)
 
 
-def _use(one: LimitVerdict) -> float:
-    if one.worst_utilisation is None:
+def _use(verdict: LimitVerdict) -> float:
+    if verdict.worst_utilisation is None:
         # Nothing is allowed, which is worse than any utilisation, or nothing was judged.
-        return math.inf if one.verdict == FAIL else -1.0
-    return one.worst_utilisation
+        return math.inf if verdict.verdict == FAIL else -1.0
+    return verdict.worst_utilisation
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -221,7 +221,7 @@ class LimitVerdict:
         """Whether what exceeds the limit does no harm while it is passed, as flicker of a generator's voltage."""
         # In its band a limit bars nothing else: what others bar lies below.
         band = self.running if self.verdict == FAIL else None
-        return band is not None and any(one.high > band.low for one in self.barred)
+        return band is not None and any(span.high > band.low for span in self.barred)
 
     @cached_property
     def refused(self) -> tuple[SpeedSpan, ...]:
@@ -230,7 +230,7 @@ class LimitVerdict:
             return ()
         ends = SpeedSpan(float(self.speeds[0]), float(self.speeds[-1]))
         above = spans_above(self.speeds, self.values, self.allowed)
-        open_ones = [span for span in above if not any(one.low <= span.low <= one.high for one in self.barred)]
+        open_ones = [span for span in above if not any(barred.low <= span.low <= barred.high for barred in self.barred)]
         return joined_spans([*self.unpassed, *(span.widened(self.tolerance).within(ends) for span in open_ones)])
 
     @property
@@ -260,10 +260,11 @@ class LimitVerdict:
     @property
     def worst(self) -> int | None:
         """Index of the speed with the largest utilisation of a limit; None if there is none."""
-        found = self.utilisation
-        if not np.isfinite(found).any() and np.isinf(found).any():
-            found = np.where(np.isinf(found), self.values, np.nan)  # the largest value, as nothing is allowed
-        return int(np.nanargmax(found)) if np.isfinite(found).any() else None
+        utilisation = self.utilisation
+        if not np.isfinite(utilisation).any() and np.isinf(utilisation).any():
+            # The largest value, as nothing is allowed.
+            utilisation = np.where(np.isinf(utilisation), self.values, np.nan)
+        return int(np.nanargmax(utilisation)) if np.isfinite(utilisation).any() else None
 
     @property
     def worst_rpm(self) -> Annotated[float | None, Out("worst speed", "rpm", digits=5)]:
@@ -288,8 +289,8 @@ class LimitVerdict:
     @property
     def worst_utilisation(self) -> Annotated[float | None, Out("utilisation", json="utilisation", digits=4)]:
         """Largest utilisation of a limit over speed, without unit; None if there is none, or nothing is allowed."""
-        found = self._at_worst(self.utilisation)
-        return found if math.isfinite(found or 0.0) else None
+        share = self._at_worst(self.utilisation)
+        return share if math.isfinite(share or 0.0) else None
 
     def _at_worst(self, over_speed: FloatArray) -> float | None:
         return None if self.worst is None else float(over_speed[self.worst])
@@ -319,10 +320,10 @@ def highest_permitted(verdicts: Sequence[LimitVerdict], speeds: FloatArray) -> f
     It is the low end of the first range that a limit refuses, joined with the barred ranges that overlap it. Where
     that is the lowest speed examined, no speed is permitted.
     """
-    refused = [span for one in verdicts for span in one.refused]
-    refused += [SpeedSpan(one.highest, float(speeds[-1])) for one in verdicts if one.highest is not None]
-    ranges = joined_spans([*refused, *(span for one in verdicts for span in one.barred)])
-    return min((one.low for one in ranges if any(one.holds(span.low) for span in refused)), default=None)
+    refused = [span for verdict in verdicts for span in verdict.refused]
+    refused += [SpeedSpan(verdict.highest, float(speeds[-1])) for verdict in verdicts if verdict.highest is not None]
+    ranges = joined_spans([*refused, *(span for verdict in verdicts for span in verdict.barred)])
+    return min((barred.low for barred in ranges if any(barred.holds(span.low) for span in refused)), default=None)
 
 
 def settled(verdicts: Sequence[LimitVerdict], speeds: FloatArray) -> tuple[LimitVerdict, ...]:
@@ -334,20 +335,20 @@ def settled(verdicts: Sequence[LimitVerdict], speeds: FloatArray) -> tuple[Limit
     highest = highest_permitted(verdicts, speeds)
     if highest is None:
         return tuple(verdicts)
-    fails = any(one.verdict == FAIL and one.refused for one in verdicts)
-    return tuple(_settled(one, highest, fails=fails) for one in verdicts)
+    fails = any(verdict.verdict == FAIL and verdict.refused for verdict in verdicts)
+    return tuple(_settled(verdict, highest, fails=fails) for verdict in verdicts)
 
 
-def _settled(one: LimitVerdict, highest: float, *, fails: bool) -> LimitVerdict:
-    if one.verdict not in (BARRED, REDUCED):
-        return one
-    above = tuple(span for span in one.barred if span.high > highest)
-    kept = tuple(span for span in one.barred if span not in above)
+def _settled(verdict: LimitVerdict, highest: float, *, fails: bool) -> LimitVerdict:
+    if verdict.verdict not in (BARRED, REDUCED):
+        return verdict
+    above = tuple(span for span in verdict.barred if span.high > highest)
+    kept = tuple(span for span in verdict.barred if span not in above)
     said = [phrase(NOT_PASSED, span=span, speed=highest * RPM) for span in above]
-    if fails and one.verdict == REDUCED:
-        return replace(one, verdict=FAIL, barred=kept, unpassed=above, remarks=(NOT_KEPT, *one.remarks))
-    if not above or one.verdict == REDUCED:
-        return one
+    if fails and verdict.verdict == REDUCED:
+        return replace(verdict, verdict=FAIL, barred=kept, unpassed=above, remarks=(NOT_KEPT, *verdict.remarks))
+    if not above or verdict.verdict == REDUCED:
+        return verdict
     if fails:
-        return replace(one, verdict=FAIL, barred=kept, unpassed=above, remarks=(*said, *one.remarks))
-    return replace(one, verdict=REDUCED, highest=above[0].low, remarks=(*said, *one.remarks))
+        return replace(verdict, verdict=FAIL, barred=kept, unpassed=above, remarks=(*said, *verdict.remarks))
+    return replace(verdict, verdict=REDUCED, highest=above[0].low, remarks=(*said, *verdict.remarks))

@@ -85,10 +85,10 @@ class MeasuredRange:
     @property
     def verdict(self) -> Annotated[str, Out("verdict")]:
         """Name of the verdict on the measured half range beside the limit."""
-        found = self.utilisation
-        if not np.isfinite(found).any():
+        utilisation = self.utilisation
+        if not np.isfinite(utilisation).any():
             return NOT_COVERED
-        over = np.where(np.isfinite(found), found > 1, False)
+        over = np.where(np.isfinite(utilisation), utilisation > 1, False)
         if not over.any():
             return KEEPS
         return EXCEEDS if (over & self._free).any() else EXCEEDS_BARRED
@@ -96,16 +96,16 @@ class MeasuredRange:
     @property
     def sentence(self) -> str:
         """Sentence on where the measured half range is nearest to the limit, and where it passes it."""
-        found = self.utilisation
-        if not np.isfinite(found).any():
+        utilisation = self.utilisation
+        if not np.isfinite(utilisation).any():
             return phrase("the rule covers none of the measured speeds of {channel}", channel=self.channel)
-        shown = np.where(self._free, found, np.nan) if self.verdict == EXCEEDS else found
+        shown = np.where(self._free, utilisation, np.nan) if self.verdict == EXCEEDS else utilisation
         at = int(np.nanargmax(shown))
         template = "measured at most {share:.3g} % of the limit, at {speed:.5g} rpm"
         if self.verdict != KEEPS:
             template += "; above it from {spans}" + ("" if self.verdict == EXCEEDS else ", which is barred")
         return phrase(
-            template, share=100 * found[at], speed=self.speeds[at] * RPM, spans=joined(", ", map(str, self.above))
+            template, share=100 * utilisation[at], speed=self.speeds[at] * RPM, spans=joined(", ", map(str, self.above))
         )
 
     @property
@@ -156,7 +156,7 @@ def measured_range(
         return None
     at = speeds[inside]
     # A check that adds speeds has them close around maxima and crossings: straight lines between them do.
-    values, allowed = (np.interp(at, check.speeds, one) for one in (limited.values, limited.allowed))
+    values, allowed = (np.interp(at, check.speeds, curve) for curve in (limited.values, limited.allowed))
     return MeasuredRange(limited, channel, at, measured[inside], values, allowed, check.barred)
 
 
@@ -167,7 +167,7 @@ def measured_range_table(title: str, ranges: Sequence[MeasuredRange], convention
         "rpm_calculated", "unit", "peak_difference", "largest_utilisation", "verdict",
     )  # fmt: skip
     notes = ["half ranges (max - min)/2; differences are (measured - calculated)/calculated at the measured speeds"]
-    notes += [f"{one.limited.limit}, {one.limited.criterion}: {one.sentence}" for one in ranges]
+    notes += [f"{measured.limited.limit}, {measured.limited.criterion}: {measured.sentence}" for measured in ranges]
     return result_table(title, ranges, MeasuredRange, columns, conventions, notes)
 
 
@@ -196,14 +196,14 @@ def measured_ranges(
     UsageError
         No channel has a half range, or none belongs to a limit on a half range.
     """
-    given = [one for one in tracked if one.half_range is not None]
+    given = [orders for orders in tracked if orders.half_range is not None]
     if not given:
         raise UsageError(
             "the file has no half ranges, which limits judge: torsionnet track writes them as columns NAME half_range",
             kind="missing-column",
         )
     subject = limit_subject(drivetrain.definition, drivetrain.exact_values)
-    found: list[MeasuredRange] = []
+    ranges: list[MeasuredRange] = []
     wanted: list[str] = []
     for verdict in check.verdicts:
         limit = drivetrain.definition.limits[verdict.limit].fitted(drivetrain.definition.elements)
@@ -212,28 +212,37 @@ def measured_ranges(
             continue
         sensors, factor = judged
         wanted += map(str, sensors)
-        for one in given:
-            scale = _factor(one, sensors, factor, drivetrain)
-            if scale is None or one.half_range is None:
+        for orders in given:
+            scale = _factor(orders, sensors, factor, drivetrain)
+            if scale is None or orders.half_range is None:
                 continue
-            rising = np.argsort(one.speeds, kind="stable")
-            beside = measured_range(check, verdict, one.name, one.speeds[rising], one.half_range[rising] * scale)
-            found += [beside] if beside else []
-    if not found:
+            rising = np.argsort(orders.speeds, kind="stable")
+            beside = measured_range(
+                check,
+                verdict,
+                orders.name,
+                orders.speeds[rising],
+                orders.half_range[rising] * scale,
+            )
+            ranges += [beside] if beside else []
+    if not ranges:
         names = ", ".join(dict.fromkeys(wanted)) or "none"
+        channels = ", ".join(orders.name for orders in given)
         raise UsageError(
-            f"no measured half range belongs to a limit: the channels are {', '.join(one.name for one in given)}, and "
+            f"no measured half range belongs to a limit: the channels are {channels}, and "
             f"limits judge the half range of {names} at {check.rpm[0]:g} to {check.rpm[-1]:g} rpm; name the channels "
             "so",
             kind="unlike-results",
         )
-    return tuple(found)
+    return tuple(ranges)
 
 
-def _factor(one: TrackedOrders, sensors: Sequence[Sensor], factor: float, drivetrain: AssembledModel) -> float | None:
+def _factor(
+    channel: TrackedOrders, sensors: Sequence[Sensor], factor: float, drivetrain: AssembledModel
+) -> float | None:
     """Factor from the half range of a channel to the limited value; None if the channel is of something else."""
-    sensor = named_sensor(one.name, drivetrain.definition.sensors) or Sensor("angle", one.name)
+    sensor = named_sensor(channel.name, drivetrain.definition.sensors) or Sensor("angle", channel.name)
     if sensor in sensors or sensor in [replace(own, at=None) for own in sensors]:  # gauges anywhere along the shaft
-        return factor if one.quantity == sensor.quantity else None
+        return factor if channel.quantity == sensor.quantity else None
     stress = any(sensor.of == own.of and own.quantity == "torque" for own in sensors)
-    return 1.0 if sensor.quantity == one.quantity == "stress" and stress else None
+    return 1.0 if sensor.quantity == channel.quantity == "stress" and stress else None

@@ -185,7 +185,7 @@ class PassedRange:
     @property
     def seconds_to_pass(self) -> float | None:
         """Shortest time in s in which a limit wants the speed range to be passed; None where none is given."""
-        return min((at for one in self.places if (at := one.verdict.seconds_to_pass) is not None), default=None)
+        return min((at for place in self.places if (at := place.verdict.seconds_to_pass) is not None), default=None)
 
 
 def passed_ranges(checks: Sequence[LimitCheck]) -> tuple[PassedRange, ...]:
@@ -193,14 +193,14 @@ def passed_ranges(checks: Sequence[LimitCheck]) -> tuple[PassedRange, ...]:
 
     Ranges that one limit lets pass and another does not are not among them, nor those that do no harm in passing.
     """
-    ranges = (found for check in checks for found in restricted_ranges(check))
-    return tuple(found for found in ranges if found.passage != NOT_AT_ALL and not found.harmless)
+    ranges = (passed for check in checks for passed in restricted_ranges(check))
+    return tuple(passed for passed in ranges if passed.passage != NOT_AT_ALL and not passed.harmless)
 
 
 def refused_ranges(checks: Sequence[LimitCheck]) -> tuple[PassedRange, ...]:
     """Speed ranges (rad/s) that must not be passed to higher speeds in each condition, the lowest of each condition."""
-    refused = (found for check in checks for found in restricted_ranges(check) if found.passage == NOT_AT_ALL)
-    return tuple(found for found in refused if found.span.high < found.check.speeds[-1])
+    refused = (barred for check in checks for barred in restricted_ranges(check) if barred.passage == NOT_AT_ALL)
+    return tuple(barred for barred in refused if barred.span.high < barred.check.speeds[-1])
 
 
 def restricted_ranges(check: LimitCheck) -> tuple[PassedRange, ...]:
@@ -212,7 +212,7 @@ def restricted_ranges(check: LimitCheck) -> tuple[PassedRange, ...]:
         PassedRange(span, tuple(place for place in _places(check) if span.holds(place.span.low)))
         for span in joined_spans([place.span for place in _places(check)])
     ]
-    return tuple(found for found in ranges if check.highest is None or found.span.low <= check.highest)
+    return tuple(restricted for restricted in ranges if check.highest is None or restricted.span.low <= check.highest)
 
 
 def operating_instructions(
@@ -227,13 +227,15 @@ def operating_instructions(
     name; default: the name.
     """
     ordered = sorted(checks, key=lambda check: check.misfiring)
-    return tuple(instruction(found, title or str, checks) for check in ordered for found in restricted_ranges(check))
+    return tuple(
+        instruction(restricted, title or str, checks) for check in ordered for restricted in restricted_ranges(check)
+    )
 
 
 def instruction_table(checks: Sequence[LimitCheck], conventions: Conventions = SI, title: str = "") -> Table:
     """Table of operating instructions from checks of limits of one model, with a note on any other restriction."""
     rows = operating_instructions(checks)
-    shown = [_in_units(one, conventions) for one in rows]
+    shown = [_in_units(row, conventions) for row in rows]
     return result_table(title or "operating instructions", shown, Instruction, notes=last_notes(checks))
 
 
@@ -244,7 +246,9 @@ def last_notes(checks: Sequence[LimitCheck], named: Callable[[Sequence[str]], st
     one for all that run in the same speed band, outside of which they only pass. ``named`` makes a text of the names of
     configurations.
     """
-    failed = dict.fromkeys(one.limit for check in checks for one in check.verdicts if one.verdict == FAIL)
+    failed = dict.fromkeys(
+        limit_verdict.limit for check in checks for limit_verdict in check.verdicts if limit_verdict.verdict == FAIL
+    )
     failed |= dict.fromkeys(name for check in checks if check.run_up for name in check.run_up.names(FAIL))
     starts, outside = starts_words(checks), list(_only_passed(checks, named))
     if failed:
@@ -264,8 +268,8 @@ def last_notes(checks: Sequence[LimitCheck], named: Callable[[Sequence[str]], st
 def _only_passed(checks: Sequence[LimitCheck], named: Callable[[Sequence[str]], str]) -> Iterator[str]:
     """Sentences on the speeds that are only passed, as limits are judged in their speed bands alone."""
     for (low, high), alike in by_range(checks, running=True).items():
-        passing = [one for one in alike if one.running and (low, high) not in by_range([one])]
-        names = dict.fromkeys(two.limit for one in passing for two in one.verdicts if two.running)
+        passing = [check for check in alike if check.running and (low, high) not in by_range([check])]
+        names = dict.fromkeys(verdict.limit for check in passing for verdict in check.verdicts if verdict.running)
         if passing:
             limits = phrase("{limit} not judged there", limit=listed_names(list(names)))
             where = _where(passing, named) if len(passing) < len(checks) else ""
@@ -278,53 +282,59 @@ def _where(checks: Sequence[LimitCheck], named: Callable[[Sequence[str]], str]) 
 
 def _places(check: LimitCheck) -> Iterator[_Place]:
     """Yield the ranges that limits bar, those that they refuse, and the ones above the highest speed they permit."""
-    for one in check.verdicts:
-        for span in one.barred:
-            yield _Place(check, one, span, PASS_QUICKLY if one.seconds_to_pass is None else PASS_WITHIN)
-        for span in one.refused:
-            yield _Place(check, one, span, NOT_AT_ALL)
-        if one.highest is not None:
-            yield _Place(check, one, SpeedSpan(one.highest, float(check.speeds[-1])), NOT_AT_ALL)
+    for verdict in check.verdicts:
+        for span in verdict.barred:
+            yield _Place(check, verdict, span, PASS_QUICKLY if verdict.seconds_to_pass is None else PASS_WITHIN)
+        for span in verdict.refused:
+            yield _Place(check, verdict, span, NOT_AT_ALL)
+        if verdict.highest is not None:
+            yield _Place(check, verdict, SpeedSpan(verdict.highest, float(check.speeds[-1])), NOT_AT_ALL)
 
 
 def instruction(
-    found: PassedRange, title: Callable[[str], str] = str, checks: Sequence[LimitCheck] = ()
+    restricted: PassedRange, title: Callable[[str], str] = str, checks: Sequence[LimitCheck] = ()
 ) -> Instruction:
     """Instruction to the crew on a restricted range; ``checks`` are those of the conditions where it may be passed."""
-    places = sorted(found.places, key=lambda place: (-place.passage, not place.verdict.in_passing, -place.utilisation))
-    decisive, check = places[0], found.check
-    one, at = decisive.verdict, decisive.at
-    low, high, action, marking = _action(found)
-    same = [other for other in check.verdicts if (other.limit, other.quantity) == (one.limit, one.quantity)]
+    places = sorted(
+        restricted.places, key=lambda place: (-place.passage, not place.verdict.in_passing, -place.utilisation)
+    )
+    decisive, check = places[0], restricted.check
+    verdict, at = decisive.verdict, decisive.at
+    low, high, action, marking = _action(restricted)
+    same = [other for other in check.verdicts if (other.limit, other.quantity) == (verdict.limit, verdict.quantity)]
     steady, passing = ([float(two.allowed[at]) for two in same if two.in_passing is way] for way in (False, True))
     return Instruction(
         (check.configuration,), title(check.configuration) or "as written", check.reference,
-        max(place.verdict.tolerance for place in places), low, high, one.limit, one.criterion,
-        tuple(dict.fromkeys(place.named for place in places)), float(check.rpm[at]), float(one.values[at]),
-        min(steady, default=math.nan), min(passing, default=math.nan), one.unit, action, marking,
-        _elsewhere(found, checks, title), _besides(found, decisive),
+        max(place.verdict.tolerance for place in places), low, high, verdict.limit, verdict.criterion,
+        tuple(dict.fromkeys(place.named for place in places)), float(check.rpm[at]), float(verdict.values[at]),
+        min(steady, default=math.nan), min(passing, default=math.nan), verdict.unit, action, marking,
+        _elsewhere(restricted, checks, title), _besides(restricted, decisive),
     )  # fmt: skip
 
 
-def _besides(found: PassedRange, decisive: _Place) -> str:
+def _besides(restricted: PassedRange, decisive: _Place) -> str:
     """Text of what makes a range begin, of speeds that have to stay free, and of a passage that is not judged."""
-    first = min(found.places, key=lambda place: place.span.low)
-    begins = found.passage == NOT_AT_ALL and first.span.low < decisive.span.low
-    free = {one.not_free for one in found.verdicts if one.not_free is not None and found.span.holds(one.not_free)}
+    first = min(restricted.places, key=lambda place: place.span.low)
+    begins = restricted.passage == NOT_AT_ALL and first.span.low < decisive.span.low
+    free = {
+        verdict.not_free
+        for verdict in restricted.verdicts
+        if verdict.not_free is not None and restricted.span.holds(verdict.not_free)
+    }
     said = [phrase(NOT_FREE, speed=speed * RPM) for speed in sorted(free)]
     said += [phrase(BEGINS, limit=first.named)] if begins and first.named != decisive.named else []
-    said += _not_judged(found) if found.passage != NOT_AT_ALL and not found.harmless else []
+    said += _not_judged(restricted) if restricted.passage != NOT_AT_ALL and not restricted.harmless else []
     return joined("; ", said) if said else ""
 
 
-def _not_judged(found: PassedRange) -> list[str]:
+def _not_judged(restricted: PassedRange) -> list[str]:
     """Text of the limits of a range that say nothing of what is borne in passing; none where all of them do."""
-    limits = dict.fromkeys(place.verdict.limit for place in found.places)
+    limits = dict.fromkeys(place.verdict.limit for place in restricted.places)
     judged = {
-        one.limit
-        for place in found.places
-        for one in found.check.verdicts
-        if one.in_passing and one.limit == place.verdict.limit and math.isfinite(one.allowed[place.at])
+        verdict.limit
+        for place in restricted.places
+        for verdict in restricted.check.verdicts
+        if verdict.in_passing and verdict.limit == place.verdict.limit and math.isfinite(verdict.allowed[place.at])
     }
     if not judged:
         return [phrase(NOT_JUDGED)]
@@ -332,43 +342,44 @@ def _not_judged(found: PassedRange) -> list[str]:
     return [phrase(NOT_JUDGED_BY, limits=listed_names(missing))] if missing else []
 
 
-def _action(found: PassedRange) -> tuple[int, int | None, str, str]:
+def _action(restricted: PassedRange) -> tuple[int, int | None, str, str]:
     """Ends of a range in whole rpm, what the crew does about it, and how it is marked."""
-    (low, high), check = found.span.rpm_outward, found.check
+    (low, high), check = restricted.span.rpm_outward, restricted.check
     marked = phrase(RED) if check.propels else ""
-    if found.harmless:
+    if restricted.harmless:
         return low, high, phrase("not to be run with load; it may be passed"), marked
-    if found.passage == PASS_QUICKLY:
+    if restricted.passage == PASS_QUICKLY:
         return low, high, phrase("pass without stopping"), marked
-    if found.passage == PASS_WITHIN:
-        return low, high, phrase("pass without stopping within {time:g} s", time=found.seconds_to_pass or 0.0), marked
-    if found.span.low <= check.speeds[0]:
+    if restricted.passage == PASS_WITHIN:
+        within = restricted.seconds_to_pass or 0.0
+        return low, high, phrase("pass without stopping within {time:g} s", time=within), marked
+    if restricted.span.low <= check.speeds[0]:
         return low, high, phrase("not to be run or passed: no speed is permitted"), marked
-    if found.span.high < check.speeds[-1]:
+    if restricted.span.high < check.speeds[-1]:
         return low, high, phrase("not to be run or passed: not above {speed} rpm", speed=low), marked
     if check.propels:
         return low, None, phrase("not above {speed} rpm, reduce power", speed=low), phrase(NOTICE)
-    if check.rated is not None and check.rated >= found.span.low:
+    if check.rated is not None and check.rated >= restricted.span.low:
         return low, None, phrase("not above {speed} rpm; rated speed is not permitted", speed=low), ""
     return low, None, phrase("not above {speed} rpm", speed=low), ""
 
 
-def _elsewhere(found: PassedRange, checks: Sequence[LimitCheck], title: Callable[[str], str]) -> str:
+def _elsewhere(restricted: PassedRange, checks: Sequence[LimitCheck], title: Callable[[str], str]) -> str:
     """Text of the conditions in which a range may be passed that must not be passed in this one, or that none is there.
 
     Empty where the range may be passed, or reaches to the highest speed. With a cylinder out, conditions where one is
     out come first, as a misfire is not chosen.
     """
-    span, own = found.span, found.check
-    if found.passage != NOT_AT_ALL or span.high >= own.speeds[-1]:
+    span, own = restricted.span, restricted.check
+    if restricted.passage != NOT_AT_ALL or span.high >= own.speeds[-1]:
         return ""
-    every = [one for one in checks if one.highest is None or one.highest > span.high]
+    every = [check for check in checks if check.highest is None or check.highest > span.high]
     if not every:
         return phrase("no condition examined reaches higher speeds")
-    ways = [one for one in every if one.misfiring is own.misfiring] or every
-    changes = {one.configuration: _changes(own.configuration, one.configuration) for one in ways}
-    ways = [one for one in ways if changes[one.configuration] == min(changes.values())]
-    return joined("; ", [_way(one, span, title) for one in ways[:MOST_WAYS]])
+    ways = [check for check in every if check.misfiring is own.misfiring] or every
+    changes = {check.configuration: _changes(own.configuration, check.configuration) for check in ways}
+    ways = [check for check in ways if changes[check.configuration] == min(changes.values())]
+    return joined("; ", [_way(check, span, title) for check in ways[:MOST_WAYS]])
 
 
 def _changes(first: str, second: str) -> int:
@@ -379,19 +390,19 @@ def _changes(first: str, second: str) -> int:
 def _way(check: LimitCheck, span: SpeedSpan, title: Callable[[str], str]) -> str:
     """Text of how a range is passed in a condition that permits it."""
     condition = title(check.configuration)
-    barred = [one for one in check.passed if one.low <= span.high and one.high >= span.low]
-    run = [one.within(span) for one in check.permitted if one.low < span.high and one.high > span.low]
+    barred = [other for other in check.passed if other.low <= span.high and other.high >= span.low]
+    run = [other.within(span) for other in check.permitted if other.low < span.high and other.high > span.low]
     if barred:
         return phrase("pass {speeds} in condition {condition}", speeds=span_words(barred), condition=condition)
     return phrase("{speeds} are free in condition {condition}", speeds=span_words(run or [span]), condition=condition)
 
 
-def _in_units(one: Instruction, conventions: Conventions) -> Instruction:
-    scale = conventions.scale(one.unit)
+def _in_units(row: Instruction, conventions: Conventions) -> Instruction:
+    scale = conventions.scale(row.unit)
     return replace(
-        one,
-        value=one.value * scale,
-        allowed=one.allowed * scale,
-        allowed_in_passing=one.allowed_in_passing * scale,
-        unit=conventions.unit(one.unit),
+        row,
+        value=row.value * scale,
+        allowed=row.allowed * scale,
+        allowed_in_passing=row.allowed_in_passing * scale,
+        unit=conventions.unit(row.unit),
     )

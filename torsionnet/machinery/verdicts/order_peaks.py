@@ -65,14 +65,14 @@ class OrderPeak:
         return float(self.check.rpm[self.at])
 
 
-def order_peaks(check: LimitCheck, found: CriticalSpeeds) -> tuple[OrderPeak, ...]:
+def order_peaks(check: LimitCheck, critical_speeds: CriticalSpeeds) -> tuple[OrderPeak, ...]:
     """Peak amplitudes (SI) of each order at its critical speeds in the speed range, each with the limit used most.
 
     Parameters
     ----------
     check : LimitCheck
         Limits of one condition over speed.
-    found : CriticalSpeeds
+    critical_speeds : CriticalSpeeds
         Critical speeds in the same condition.
 
     Returns
@@ -86,30 +86,30 @@ def order_peaks(check: LimitCheck, found: CriticalSpeeds) -> tuple[OrderPeak, ..
     >>> import torsionnet as tn
     >>> ship = tn.load("bulk_carrier").configured("normal")
     >>> peaks = order_peaks(ship.check_limits(), ship.critical_speeds())
-    >>> worst = max(peaks, key=lambda one: one.share)
+    >>> worst = max(peaks, key=lambda peak: peak.share)
     >>> worst.critical.mode.number, worst.critical.line, worst.verdict.limit, round(worst.rpm)
     (1, '6', 'propeller_shaft', 51)
     """
-    found_there = (max(peaks_in_limits(check, found, one), key=lambda one: one.share, default=None)
-                   for one in found.crossings)  # fmt: skip
+    found_there = (max(peaks_in_limits(check, critical_speeds, critical), key=lambda peak: peak.share, default=None)
+                   for critical in critical_speeds.crossings)  # fmt: skip
     return tuple(peak for peak in found_there if peak is not None)
 
 
 def order_shares(check: LimitCheck) -> FloatArray:
     """Largest ratio of amplitude to value allowed over all limits and speeds, by order line, shape (n_lines,)."""
-    found = [np.zeros(len(check.lines))]
-    for one in vibratory_verdicts(check):
-        assert one.orders is not None
+    largest = [np.zeros(len(check.lines))]
+    for verdict in vibratory_verdicts(check):
+        assert verdict.orders is not None
         with np.errstate(invalid="ignore", divide="ignore"):
             # Without a finite value allowed above 0 there is no share.
-            shares = np.where(_counts(one)[:, None], one.orders / one.allowed[:, None], 0.0)
-        found.append(shares.max(axis=0, initial=0.0))
-    return np.asarray(np.max(found, axis=0))
+            shares = np.where(_counts(verdict)[:, None], verdict.orders / verdict.allowed[:, None], 0.0)
+        largest.append(shares.max(axis=0, initial=0.0))
+    return np.asarray(np.max(largest, axis=0))
 
 
 def vibratory_verdicts(check: LimitCheck) -> list[LimitVerdict]:
     """Verdicts on the limits of vibration that could be judged, with the amplitudes (SI) of their orders."""
-    return [one for one in check.verdicts if one.orders is not None and len(one.values)]
+    return [verdict for verdict in check.verdicts if verdict.orders is not None and len(verdict.values)]
 
 
 def largest_orders(check: LimitCheck, verdict: LimitVerdict, at: int, most: int = 3) -> list[tuple[str, complex]]:
@@ -121,28 +121,30 @@ def largest_orders(check: LimitCheck, verdict: LimitVerdict, at: int, most: int 
     if verdict.amplitudes is None:
         return []
     phasors = verdict.amplitudes.phasors[at]
-    sums = [(one.name, complex(phasors[[*one.places]].sum())) for one in check.summed]
+    sums = [(order.name, complex(phasors[[*order.places]].sum())) for order in check.summed]
     return sorted(sums, key=lambda pair: -abs(pair[1]))[:most]
 
 
-def line_index(check: LimitCheck, found: CriticalSpeeds, critical: CriticalSpeed) -> int | None:
+def line_index(check: LimitCheck, critical_speeds: CriticalSpeeds, critical: CriticalSpeed) -> int | None:
     """Index among the orders of a check of the one that meets a critical speed; None where it does not act there."""
-    name = next((str(line) for line in found.lines if _is_of(critical, line)), "")
+    name = next((str(line) for line in critical_speeds.lines if _is_of(critical, line)), "")
     return check.lines.index(name) if name in check.lines else None
 
 
-def peaks_in_limits(check: LimitCheck, found: CriticalSpeeds, critical: CriticalSpeed) -> tuple[OrderPeak, ...]:
+def peaks_in_limits(
+    check: LimitCheck, critical_speeds: CriticalSpeeds, critical: CriticalSpeed
+) -> tuple[OrderPeak, ...]:
     """Peaks of an order at one of its critical speeds, one for each limit in which the mode makes one."""
-    line = line_index(check, found, critical)
+    line = line_index(check, critical_speeds, critical)
     if line is None or math.isnan(critical.mode.natural_frequency):
         return ()
     peaks = []
-    for one in vibratory_verdicts(check):
-        assert one.orders is not None
-        sizes = one.orders[:, line]
-        at = _made_by_mode(check.speeds, sizes, critical, found.crossings)
-        if at is not None and _counts(one)[at]:
-            peaks.append(OrderPeak(critical, one, check, at, float(sizes[at])))
+    for verdict in vibratory_verdicts(check):
+        assert verdict.orders is not None
+        sizes = verdict.orders[:, line]
+        at = _made_by_mode(check.speeds, sizes, critical, critical_speeds.crossings)
+        if at is not None and _counts(verdict)[at]:
+            peaks.append(OrderPeak(critical, verdict, check, at, float(sizes[at])))
     return tuple(peaks)
 
 
@@ -158,9 +160,9 @@ def local_maxima(values: FloatArray) -> list[int]:
     return (np.flatnonzero((inner > values[:-2]) & (inner >= values[2:])) + 1).tolist()
 
 
-def _counts(one: LimitVerdict) -> FloatArray:
+def _counts(verdict: LimitVerdict) -> FloatArray:
     """Flags (n_speeds,) whether a limit allows a finite value above 0 at each speed."""
-    return np.asarray(np.isfinite(one.allowed) & (one.allowed > 0))
+    return np.asarray(np.isfinite(verdict.allowed) & (verdict.allowed > 0))
 
 
 def _made_by_mode(
@@ -229,15 +231,15 @@ def differing_lines(checks: Sequence[LimitCheck], least: float = LEAST_SHARE) ->
     least : float
     """
     tops = [_largest_shares(check, least) for check in checks]
-    found: dict[int, list[str]] = {}
-    for line in dict.fromkeys(name for one in tops for name in one):
-        places = [place for place, one in enumerate(tops) if place and one.get(line)]
+    lines_by_condition: dict[int, list[str]] = {}
+    for line in dict.fromkeys(name for shares in tops for name in shares):
+        places = [place for place, shares in enumerate(tops) if place and shares.get(line)]
         known = [tops[0].get(line, {})]
-        for place in sorted(places, key=lambda one: -max(use for *_, use in tops[one][line].values())):
+        for place in sorted(places, key=lambda place: -max(use for *_, use in tops[place][line].values())):
             if not any(_alike(tops[place][line], other) for other in known):
                 known.append(tops[place][line])
-                found.setdefault(place, []).append(line)
-    return dict(sorted(found.items()))
+                lines_by_condition.setdefault(place, []).append(line)
+    return dict(sorted(lines_by_condition.items()))
 
 
 Top: TypeAlias = tuple[float, float, float]
@@ -246,16 +248,16 @@ Top: TypeAlias = tuple[float, float, float]
 
 def _largest_shares(check: LimitCheck, least: float) -> dict[str, dict[tuple[str, str], Top]]:
     """Largest share of each limit that an order alone uses by ``least`` or more, by order and by limit."""
-    found: dict[str, dict[tuple[str, str], Top]] = {line: {} for line in check.lines}
-    for one in vibratory_verdicts(check):
-        assert one.orders is not None
+    tops: dict[str, dict[tuple[str, str], Top]] = {line: {} for line in check.lines}
+    for verdict in vibratory_verdicts(check):
+        assert verdict.orders is not None
         with np.errstate(invalid="ignore", divide="ignore"):
-            shares = np.where(_counts(one)[:, None], one.orders / one.allowed[:, None], 0.0)
+            shares = np.where(_counts(verdict)[:, None], verdict.orders / verdict.allowed[:, None], 0.0)
         for number, at in enumerate(shares.argmax(axis=0).tolist()):
             if shares[at, number] >= least:
-                top = float(shares[at, number]), float(check.speeds[at]), float(one.utilisation[at])
-                found[check.lines[number]][one.limit, one.criterion] = top
-    return found
+                top = float(shares[at, number]), float(check.speeds[at]), float(verdict.utilisation[at])
+                tops[check.lines[number]][verdict.limit, verdict.criterion] = top
+    return tops
 
 
 def _alike(own: Mapping[tuple[str, str], Top], other: Mapping[tuple[str, str], Top]) -> bool:

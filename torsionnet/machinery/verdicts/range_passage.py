@@ -80,8 +80,8 @@ class RangePassage:
     def named(self) -> Annotated[str, Out("limit")]:
         """Name of the limit, with its criterion where it has several, or that is one on mean and vibration together."""
         own = self.verdict
-        steady = (one for one in self.check.verdicts if one.limit == own.limit and not one.in_passing)
-        several = len({one.criterion for one in steady if one.orders is not None}) > 1
+        steady = (verdict for verdict in self.check.verdicts if verdict.limit == own.limit and not verdict.in_passing)
+        several = len({verdict.criterion for verdict in steady if verdict.orders is not None}) > 1
         return f"{own.limit} {own.criterion}" if several or own.in_passing else own.limit
 
     @property
@@ -119,7 +119,7 @@ class RangePassage:
 
         NaN where the limit says none.
         """
-        others = [one.allowed for one in self._in_passing]
+        others = [verdict.allowed for verdict in self._in_passing]
         if not others:
             return np.full(len(self.response.times), math.nan)
         return self._at_speeds(np.min(others, axis=0))
@@ -127,16 +127,17 @@ class RangePassage:
     @property
     def criterion_in_passing(self) -> str:
         """Name of the criterion that limits the passage; empty where there is none."""
-        return ", ".join(one.criterion for one in self._in_passing)
+        return ", ".join(verdict.criterion for verdict in self._in_passing)
 
     @property
     def _in_passing(self) -> list[LimitVerdict]:
         """Verdicts on those criteria of the barring limit that hold even while its barred range is passed."""
         own = self.verdict
         return [
-            one
-            for one in self.check.verdicts
-            if one.in_passing and (one.limit, one.unit, one.quantity) == (own.limit, own.unit, own.quantity)
+            verdict
+            for verdict in self.check.verdicts
+            if verdict.in_passing
+            and (verdict.limit, verdict.unit, verdict.quantity) == (own.limit, own.unit, own.quantity)
         ]
 
     def _at_speeds(self, over_speed: FloatArray) -> FloatArray:
@@ -223,8 +224,8 @@ class RangePassage:
         return self._there(self.allowed_in_passing)
 
     def _there(self, over_time: FloatArray) -> float | None:
-        found = float(np.interp(self._worst[0], self.response.times, over_time))
-        return found if math.isfinite(found) else None
+        amount = float(np.interp(self._worst[0], self.response.times, over_time))
+        return amount if math.isfinite(amount) else None
 
     @property
     def cycles(self) -> Annotated[float | None, Out("cycles above allowed")]:
@@ -256,10 +257,12 @@ def passage_table(
 
     Limits of ``barred`` on mean and vibration together that are in no passage have a row with their steady value.
     """
-    found = result_table("passage of a barred range", passages, RangePassage, conventions=conventions)
-    judged = [one.verdict for one in passages]
-    steady = [one for one in totals_in_passing(barred) if one not in judged] if barred else []
-    return replace(found, rows=(*found.rows, *(_steady_row(barred, one, conventions) for one in steady if barred)))
+    table = result_table("passage of a barred range", passages, RangePassage, conventions=conventions)
+    judged = [passage.verdict for passage in passages]
+    steady = [verdict for verdict in totals_in_passing(barred) if verdict not in judged] if barred else []
+    return replace(
+        table, rows=(*table.rows, *(_steady_row(barred, verdict, conventions) for verdict in steady if barred))
+    )
 
 
 def _steady_row(barred: PassedRange, verdict: LimitVerdict, conventions: Conventions) -> tuple[object, ...]:
@@ -308,13 +311,13 @@ def range_passages(
     for verdict in (*barred.verdicts, *totals):
         limit = drivetrain.definition.limits[verdict.limit].fitted(drivetrain.definition.elements)
         asked = limit.passing_sensors if verdict.in_passing else limit.vibratory_sensors
-        found = asked(verdict.criterion, subject)
-        if found is not None:
+        sensors_and_factor = asked(verdict.criterion, subject)
+        if sensors_and_factor is not None:
             mean = None
             if verdict.in_passing:
-                values = means_of(drivetrain, found[0][0], check.speeds).values[:, 0]
-                mean = np.asarray(found[1] * np.abs(values))
-            judged.append((verdict, *found, mean))
+                values = means_of(drivetrain, sensors_and_factor[0][0], check.speeds).values[:, 0]
+                mean = np.asarray(sensors_and_factor[1] * np.abs(values))
+            judged.append((verdict, *sensors_and_factor, mean))
     sensors = list(dict.fromkeys(sensor for _, those, *_ in judged for sensor in those))
     if not sensors:
         return ()
@@ -336,4 +339,4 @@ def range_passages(
 
 def totals_in_passing(barred: PassedRange) -> tuple[LimitVerdict, ...]:
     """Verdicts on mean and vibration together, such as T_Kmax of couplings, which hold while a range is passed."""
-    return tuple(one for one in barred.check.verdicts if one.criterion in TOTALS and len(one.values))
+    return tuple(verdict for verdict in barred.check.verdicts if verdict.criterion in TOTALS and len(verdict.values))

@@ -22,12 +22,12 @@ from torsionnet.machinery.verdicts.limit_verdict import (
 )
 
 
-def run_up_sentences(found: RunUpCheck) -> Iterator[str]:
+def run_up_sentences(check: RunUpCheck) -> Iterator[str]:
     """Sentences on a run-up: what does not hold, what nobody says, else that all limits in passing hold."""
-    (low, high), verdict = found.rpm, found.verdict
-    about = {"low": low, "high": high, "shaft": found.reference, "load": 100 * found.load}
+    (low, high), verdict = check.rpm, check.verdict
+    about = {"low": low, "high": high, "shaft": check.reference, "load": 100 * check.load}
     for grave, template in ((FAIL, FAILS_IN_PASSING), (OPEN, OPEN_IN_PASSING)):
-        names = found.names(grave)
+        names = check.names(grave)
         if names:
             yield phrase(template, limits=listed_names(names), **about)
     if verdict == PASS:
@@ -131,14 +131,14 @@ class RunUpCheck:
     @property
     def verdict(self) -> Annotated[str, Out(schema=VERDICT)]:
         """Name of the gravest verdict on a limit in the run-up."""
-        return gravest(one.verdict for one in self.verdicts)
+        return gravest(passed.verdict for passed in self.verdicts)
 
     @property
     def worst(self) -> PassedLimit | None:
         """Verdict with the largest utilisation in the run-up; None where nothing is known."""
-        known = [one for one in self.verdicts if one.utilisation is not None]
-        return max(known, key=lambda one: one.utilisation or 0.0, default=None)
+        known = [passed for passed in self.verdicts if passed.utilisation is not None]
+        return max(known, key=lambda passed: passed.utilisation or 0.0, default=None)
 
     def names(self, verdict: str) -> list[str]:
         """Names of the limits with a verdict in the run-up, each once."""
-        return list(dict.fromkeys(one.steady.limit for one in self.verdicts if one.verdict == verdict))
+        return list(dict.fromkeys(passed.steady.limit for passed in self.verdicts if passed.verdict == verdict))

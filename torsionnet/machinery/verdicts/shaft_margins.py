@@ -56,8 +56,8 @@ def shaft_margins(
     Examples
     --------
     >>> import torsionnet as tn
-    >>> found = tn.load("reciprocating_compressor_train").shaft_margins("api684", lowest=1)
-    >>> sorted({one.mode.number for one in found.crossings})
+    >>> margins = tn.load("reciprocating_compressor_train").shaft_margins("api684", lowest=1)
+    >>> sorted({critical.mode.number for critical in margins.crossings})
     [1]
     """
     given = drivetrain.definition.speeds
@@ -94,13 +94,13 @@ def shaft_margins(
 
 def _ratios(drivetrain: AssembledModel, reference: str) -> dict[str, Fraction]:
     """Speed of every turning node over that of the reference node, without sign."""
-    found = speeds_by_reference(drivetrain.definition, drivetrain.exact_values, reference)
-    return {node: near_fraction(abs(speed / found[reference])) for node, speed in found.items() if speed}
+    speeds = speeds_by_reference(drivetrain.definition, drivetrain.exact_values, reference)
+    return {node: near_fraction(abs(speed / speeds[reference])) for node, speed in speeds.items() if speed}
 
 
 def _excitation_lines(drivetrain: AssembledModel) -> Iterator[OrderLine]:
     """Order lines of all excitations that act, over the range of speeds."""
-    if any(one.enabled for one in drivetrain.definition.excitations.values()):
+    if any(excitation.enabled for excitation in drivetrain.definition.excitations.values()):
         for group in excited_lines(drivetrain, None, None, None)[0].values():
             yield from group
 
@@ -119,9 +119,9 @@ def _shaft_lines(drivetrain: AssembledModel, reference: str, rule: MarginRule | 
         yield from (OrderLine(node, float(times), ratio) for times in multiples)
 
 
-def _required(one: CriticalSpeed, rule: MarginRule | None) -> CriticalSpeed:
+def _required(critical: CriticalSpeed, rule: MarginRule | None) -> CriticalSpeed:
     """Margin of an inverter's frequency as that of the line frequency, which no clause on orders of a shaft covers."""
-    return replace(one, required=rule.fixed) if rule and one.excitation.endswith(ELECTRICAL) else one
+    return replace(critical, required=rule.fixed) if rule and critical.excitation.endswith(ELECTRICAL) else critical
 
 
 def _electrical_lines(drivetrain: AssembledModel, reference: str) -> Iterator[OrderLine]:
@@ -133,7 +133,7 @@ def _electrical_lines(drivetrain: AssembledModel, reference: str) -> Iterator[Or
         lines = (machine.line, machine.slip, machine.short_circuit)
         # A machine on the mains has a fixed frequency; one on an inverter follows the speed with p n, the slip left
         # out.
-        fixed = next((one.frequency for one in lines if one is not None), None)
+        fixed = next((machine_line.frequency for machine_line in lines if machine_line is not None), None)
         if fixed is not None:
             yield from (OrderLine(name, 0.0, Fraction(1), times * fixed) for times in MULTIPLES)
         elif machine.pole_pairs and machine.node in ratios:

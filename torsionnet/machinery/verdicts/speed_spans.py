@@ -86,13 +86,13 @@ def joined_spans(spans: Sequence[SpeedSpan]) -> tuple[SpeedSpan, ...]:
     >>> [(span.low, span.high) for span in joined_spans([SpeedSpan(3, 5), SpeedSpan(1, 2), SpeedSpan(4, 6)])]
     [(1, 2), (3, 6)]
     """
-    found: list[SpeedSpan] = []
-    for span in sorted(spans, key=lambda one: one.low):
-        if found and span.low <= found[-1].high:
-            found[-1] = SpeedSpan(found[-1].low, max(found[-1].high, span.high))
+    merged: list[SpeedSpan] = []
+    for span in sorted(spans, key=lambda span: span.low):
+        if merged and span.low <= merged[-1].high:
+            merged[-1] = SpeedSpan(merged[-1].low, max(merged[-1].high, span.high))
         else:
-            found.append(span)
-    return tuple(found)
+            merged.append(span)
+    return tuple(merged)
 
 
 def spans_above(speeds: FloatArray, values: FloatArray, allowed: FloatArray) -> tuple[SpeedSpan, ...]:
@@ -102,20 +102,20 @@ def spans_above(speeds: FloatArray, values: FloatArray, allowed: FloatArray) -> 
 
     Examples
     --------
-    >>> found = spans_above(np.array([1.0, 2, 3, 4]), np.array([0.0, 2, 2, 0]), np.ones(4))
-    >>> [(span.low, span.high) for span in found]
+    >>> spans = spans_above(np.array([1.0, 2, 3, 4]), np.array([0.0, 2, 2, 0]), np.ones(4))
+    >>> [(span.low, span.high) for span in spans]
     [(1.5, 3.5)]
     """
     over = values - allowed
     above = np.where(np.isfinite(over), over > 0, False)
-    found: list[SpeedSpan] = []
+    spans: list[SpeedSpan] = []
     places = np.flatnonzero(above)
     for first, last in _runs(places):
         # Crossings by straight lines to the neighbours below the limit; at an end of the speeds there is none.
         low = _crossing(speeds, over, first, first - 1) if first else speeds[0]
         high = _crossing(speeds, over, last, last + 1) if last + 1 < len(speeds) else speeds[-1]
-        found.append(SpeedSpan(float(low), float(high)))
-    return tuple(found)
+        spans.append(SpeedSpan(float(low), float(high)))
+    return tuple(spans)
 
 
 def range_end_remarks(span: SpeedSpan, limits: SpeedSpan, below: str, above: str) -> tuple[str, ...]:
