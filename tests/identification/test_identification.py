@@ -64,7 +64,7 @@ def quick(rig, configuration="", **changes):
 # Known optima, to eight digits from two starts
 
 
-@pytest.mark.few(1)
+@pytest.mark.few(1, 4)
 @pytest.mark.parametrize("factor", [0.3, 2.5])
 @pytest.mark.parametrize(
     ("rig", "gears", "parameters"),

@@ -40,7 +40,7 @@ def together(batch, output, input, f, excitation=None, method="auto"):
     return batched_responses(batch, request, f, method).values
 
 
-@pytest.mark.few(4, 14)
+@pytest.mark.few(4, 8)
 @pytest.mark.filterwarnings("ignore::torsionnet.TorsionnetWarning")
 @methods
 @pytest.mark.parametrize("name", library_cases())

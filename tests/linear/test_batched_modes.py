@@ -81,7 +81,7 @@ def test_library_models_as_each_variant_by_itself(name):
         )  # its planets' modes are equal
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(4, 10)
 @pytest.mark.parametrize("seed", range(campaigns.examples(30, 300)))
 def test_random_drivetrains_as_each_variant_by_itself(seed):
     """Trees and loops with gears, massless nodes, hysteretic springs and planetary sets."""

@@ -67,7 +67,7 @@ CASES = {
 }
 
 
-@pytest.mark.few(1)
+@pytest.mark.few(1, 5)
 @pytest.mark.parametrize("case", CASES.values(), ids=CASES)
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.nightly)])
 def test_lowest_modes_are_the_dense_ones(case, seed, sparse_only):

@@ -59,18 +59,7 @@ SYSTEMS = {
 }
 
 
-MEASURED = [
-    pytest.param(name, output, outputs, marks=[pytest.mark.slow] * (name not in quick))
-    for output, outputs, *quick in (
-        ("rad", 1),
-        ("rad", 3, *SYSTEMS),
-        ("rad/s", 1, "light", "overdamped"),
-        ("rad/s", 3),
-        ("rad/s^2", 1, "close"),
-        ("rad/s^2", 3),
-    )
-    for name in SYSTEMS
-]
+MEASURED = [(name, output, outputs) for output in ("rad", "rad/s", "rad/s^2") for outputs in (1, 3) for name in SYSTEMS]
 
 
 class TestKnownPoles:
@@ -234,7 +223,7 @@ class TestRigs:
         whole = model.modes().eigenvalues
         assert nearest(found.poles, whole[:1]).min() > 0.03
 
-    @pytest.mark.few(1)
+    @pytest.mark.few(1, 5)
     @each_cut
     @pytest.mark.parametrize("noise", [pytest.param(0.002, marks=pytest.mark.slow), 0.01])
     def test_with_noise(self, case, noise):

@@ -61,7 +61,7 @@ GLYPHS_AND_SHAPES = [
 
 
 class TestMadeUpElements:
-    @pytest.mark.few(2)
+    @pytest.mark.few(2, 20)
     @pytest.mark.parametrize(("glyph", "shape"), GLYPHS_AND_SHAPES)
     def test_any_glyph_with_any_ports_is_drawn_with_its_name(self, glyph, shape):
         element = SHAPES[shape](glyph)
