@@ -232,7 +232,7 @@ def test_nothing_is_found_in_sound_tests(excitation, lines):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("bench", ["dmf_bench", "amt_bench"])
+@pytest.mark.parametrize("bench", ["dmf_bench", pytest.param("amt_bench", marks=pytest.mark.nightly)])
 def test_nothing_is_found_in_the_library_s_benches(bench):
     given = tn.load_bench(bench)
     for lines in (60, 1024):

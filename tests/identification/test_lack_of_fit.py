@@ -58,7 +58,7 @@ def estimator(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["", "H1", *(pytest.param(name, marks=pytest.mark.slow) for name in ("Hr", "H2"))])
+@pytest.mark.parametrize("name", ["", "H1", pytest.param("Hr", marks=pytest.mark.nightly), "H2"])
 def test_noise_on_the_torque_of_a_sweep_biases_nothing(rig, noisy, name):
     """H1 as it is reads c_2 17 % high and k_2 1 %, its intervals never hold c_2."""
     fits = [
@@ -277,7 +277,7 @@ def wrong_fit(case, noise):
     [
         *((case, 0.05) for case in WRONG if case != "inertia"),
         ("inertia", 3.0),
-        pytest.param("inertia", 0.05, marks=pytest.mark.slow),
+        pytest.param("inertia", 0.05, marks=pytest.mark.nightly),
         *(pytest.param(case, 3.0, marks=pytest.mark.nightly) for case in WRONG if case != "inertia"),
     ],
 )

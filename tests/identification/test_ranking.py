@@ -95,7 +95,7 @@ def test_a_value_that_is_zero_in_the_model_is_searched_to_the_end():
     ("ratio", "name"),
     [
         ("ratio: tau", "tau"),
-        pytest.param("ratio: 3", "stage.ratio", marks=pytest.mark.slow),
+        pytest.param("ratio: 3", "stage.ratio", marks=pytest.mark.nightly),
         ("teeth: [20, 60]", "stage.ratio"),
     ],
 )
@@ -256,7 +256,7 @@ def test_a_reversed_channel_is_named_by_fit_and_ranking():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("free", ["c", "k"])
+@pytest.mark.parametrize("free", ["c", pytest.param("k", marks=pytest.mark.nightly)])
 def test_ranking_and_verdict_come_from_one_search(free):
     """A wrong model leads the fit far off, from where the ranking alone came to other gains, or to none."""
     from benchmarks.interval_coverage import noisy_response, one_mass

@@ -157,7 +157,7 @@ def test_a_value_without_effect_is_said():
     ("question", "last", "beyond"),
     [
         pytest.param({"input": "a", "band": (10, 40)}, 30, "40", marks=pytest.mark.slow),
-        pytest.param({"input": "a", "band": (10, 40)}, 40, None, marks=pytest.mark.slow),
+        pytest.param({"input": "a", "band": (10, 40)}, 40, None, marks=pytest.mark.nightly),
         ({"speeds": [150, 200], "speed_of": "a"}, 30, "31.831"),
     ],
 )

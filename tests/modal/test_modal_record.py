@@ -89,7 +89,7 @@ class TestWindowsDoNotMatter:
         assert not any("half-power bandwidth" in note for note in found.notes)
 
     @pytest.mark.slow
-    @pytest.mark.parametrize("excitation", ["sweep", "noise"])
+    @pytest.mark.parametrize("excitation", ["sweep", pytest.param("noise", marks=pytest.mark.nightly)])
     def test_windows_shorter_than_the_modes_ring(self, excitation):
         """Five modes in twenty lines, which the estimate cannot tell apart; noise that falls with frequency."""
         plant = modal((1.6, 0.004), (3.2, 0.08), (4.3, 0.07), (5.8, 0.06), (12.8, 0.017))

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import scipy
+from support import campaigns
 from support.random_motion_plants import moving_plant
 
 import torsionnet as tn
@@ -273,7 +274,7 @@ def test_motion_that_grows_beyond_all_numbers_is_told(law):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", campaigns.by_day(range(10), 2, 5, 8))
 def test_energies_of_random_plants_balance(seed):
     plant = moving_plant(seed, 6)
     times = np.linspace(0, 0.5, 501)

@@ -42,7 +42,7 @@ def test_a_few_inertias(seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", campaigns.by_day(range(12), 4, 11))
+@pytest.mark.parametrize("seed", campaigns.by_day(range(12), 4))
 def test_up_to_twenty_inertias(seed):
     apart, grown, reference = compared(seed, 20, 1.0)
     assert len(reference.events) > 20

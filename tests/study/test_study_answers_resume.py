@@ -144,7 +144,7 @@ class TestSameResult:
 
     @pytest.mark.slow
     @pytest.mark.usefixtures("all_shared")
-    @pytest.mark.parametrize("keep", [True, False])
+    @pytest.mark.parametrize("keep", [pytest.param(True, marks=pytest.mark.nightly), False])
     def test_processes(self, few, tmp_path, monkeypatch, keep):
         counted = count_rows(monkeypatch)
         folder = tmp_path / "study" if keep else None

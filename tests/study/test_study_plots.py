@@ -75,7 +75,7 @@ LONG = (
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("cases", "limit"), [(1, 300.0), (2, 3.0), (5, 300.0), pytest.param(12, 3.0, marks=pytest.mark.slow)]
+    ("cases", "limit"), [(1, 300.0), (2, 3.0), (5, 300.0), pytest.param(12, 3.0, marks=pytest.mark.nightly)]
 )
 def test_labels_of_maps_stay_in_the_picture(cases, limit):
     """Names that are sentences, with units, in one map and in many; a limit on the bar of colours and beyond it."""
