@@ -179,11 +179,11 @@ class Declared:
                 run_together = _run_together(key, known, raw) if raw[key] is None else None
                 home = next((part for part, spec in specs.items() if key in spec.keys_within and part not in raw), None)
                 if home is None:
-                    found = run_together or unknown_key(key, known, (key,), rest)
+                    fault = run_together or unknown_key(key, known, (key,), rest)
                     # A comma in a text without quotes makes a key without a value; one that is begun is like another.
-                    if raw[key] is None and not found.meant and found is not run_together:
-                        found = unknown_key(key, known, (key,), f"text with a comma needs quotes; {rest}")
-                    faults.append(found)
+                    if raw[key] is None and not fault.meant and fault is not run_together:
+                        fault = unknown_key(key, known, (key,), f"text with a comma needs quotes; {rest}")
+                    faults.append(fault)
                     continue
                 # A way to give the value of an entry, which stands beside it instead of in it.
                 at_home.add(home)

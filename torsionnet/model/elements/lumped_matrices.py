@@ -37,7 +37,7 @@ class SymmetricMatrix(Spec[SquareMatrix]):
         rows = given.__array__().tolist() if hasattr(given, "__array__") else given
         if isinstance(rows, str | Mapping) or not isinstance(rows, Sequence) or not rows:
             raise EntryError(f"expected rows of numbers, as [[2, -2], [-2, 2]], {got(raw)}", kind="wrong-form")
-        if any(isinstance(one, complex) for row in rows if isinstance(row, Sequence) for one in row):
+        if any(isinstance(number, complex) for row in rows if isinstance(row, Sequence) for number in row):
             # K(j w) = K' + j K'' is K' + j w C at one frequency alone.
             text = "complex numbers hold at one frequency f; give K', and K''/(2 pi f) in the damping matrix"
             raise EntryError(text, kind="not-a-number")

@@ -260,7 +260,7 @@ def _column(
     doubt = "ambiguous-name" if meaning.key == "gear ratio" else "missing-unit"
     doubts = (grid.fault(text, cell, kind=doubt) for text in _doubts(meaning, cell.text, unit_text, below))
     faults += [
-        replace(one, about=cell.text, meant=meaning.dimensions[0]) for one in doubts
+        replace(doubt, about=cell.text, meant=meaning.dimensions[0]) for doubt in doubts
     ]  # for who asks for the unit
     if not meaning.is_text:
         faults += [grid.fault(text, cell, kind="ambiguous-name") for text in _unclear(heading, words, meaning)]

@@ -154,14 +154,14 @@ class _Rows:
 
     def _with_shafts_of_next(self) -> list[Row]:
         """Rows with what the row below says of its shaft, which leads from this mass to that one."""
-        places = [one.place for key in _OF_SHAFTS if (one := self.values.columns.of(key))]
-        found: list[Row] = []
+        places = [column.place for key in _OF_SHAFTS if (column := self.values.columns.of(key))]
+        rows: list[Row] = []
         for row, below in zip(self.all, [*self.all[1:], ()], strict=True):
             moved = [*row, *(Cell("", row[0].line, 1) for _ in range(len(row), max(places) + 1))]
             for place in places:
                 moved[place] = below[place] if place < len(below) else Cell("", row[0].line, 1)
-            found.append(moved)
-        return found
+            rows.append(moved)
+        return rows
 
     def _has(self, row: Row, key: str) -> bool:
         cell = self.values.columns.cell(row, key)
