@@ -62,7 +62,7 @@ class TestWhatSpoils:
         assert stiffness(loop) == pytest.approx(900, rel=2e-3)
         assert loop.friction.value == pytest.approx(5, rel=1e-2)
 
-    @pytest.mark.slow
+    @pytest.mark.nightly
     def test_inertia_of_the_moving_side(self):
         """J w^2 = 4.0 of 900 N m/rad at 1.5 Hz; with little friction a sine of torque is one of twist."""
         record, _ = recorded(friction=0.5)
@@ -77,7 +77,7 @@ class TestWhatSpoils:
         assert loop_of(record).loss.value < 0.8 * true
         assert loop_of(record, delay=1.2e-3).loss.value == pytest.approx(true, rel=5e-3)
 
-    @pytest.mark.slow
+    @pytest.mark.nightly
     def test_drift_of_the_meter(self):
         """7 N m over seven cycles."""
         record, _ = recorded(T_m=StrainGauge(noise="0.02 N*m", zero_drift={"change": "7 N*m"}))

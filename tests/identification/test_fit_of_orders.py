@@ -321,7 +321,7 @@ def test_close_points_of_a_filter_count_as_fewer(tmp_path):
     assert not fit.lack_of_fit.rejected
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_intervals_from_close_points_cover_the_true_values():
     rig, inside, seeds = engine_model(), {"k_cpl": 0, ENGINE: 0}, campaigns.examples(12, 40)
     for seed in range(seeds):

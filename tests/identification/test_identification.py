@@ -244,7 +244,7 @@ def test_steps_of_an_encoder_widen_the_errors(stepped):
     )
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_errors_from_steps_are_the_scatter(stepped):
     """Where noise is small, fits scatter by where in a step the rig stands, and their errors say so."""
     fits = [stepped(seed) for seed in range(examples(15, 40))]

@@ -188,7 +188,7 @@ def test_command(tmp_path, monkeypatch):
     assert "the model does not fit" in result.stderr
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_command_in_json(tmp_path, monkeypatch):
     command_files(tmp_path, monkeypatch)
     ranking = json.loads(run("fit", "fit.yaml", "--rank", "--json").stdout)["ranking"]

@@ -189,7 +189,7 @@ class TestSilicone:
         np.testing.assert_allclose(found, expected, rtol=1e-12)
         np.testing.assert_allclose(silicone(table=rows).modes().eigenvalues, parts.modes().eigenvalues, rtol=1e-9)
 
-    @pytest.mark.slow
+    @pytest.mark.nightly
     def test_the_best_oil_is_found(self):
         """A factor on the moduli is sought as a film's damping is; temperature, without derivatives, is refused."""
         rig = silicone(silicone=SILICONE, gap=GAP, temperature="60 degC", scale=0.3)

@@ -97,7 +97,7 @@ def _cubic_mass(damping: float) -> tn.Drivetrain:
     return tn.Drivetrain("cubic", [tn.Inertia("mass", node="a", inertia=1), spring])
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_symmetric_motion_becomes_lopsided_without_a_fold():
     found = _cubic_mass(0.2).periodic_response("a", frequencies=np.array([1.1, 1.3]) / (2 * pi), excitation={"a": 5})
     (fork,) = found.turns("symmetry")

@@ -81,7 +81,7 @@ def _repeats(W: float, after: int, start: list[float]) -> float:
     return float(np.abs(found.y[:, 2] - found.y[:, 1]).max())
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_cascade_of_doublings_is_said_and_stepped_motions_have_its_periods():
     found = gear_pair(0.06).periodic_response(
         "x", frequencies=np.array([1.75, 1.8, 1.9, 2]) / (2 * pi), excitation={"x": {0: 0.12, 1: 0.6}}, subharmonics=4

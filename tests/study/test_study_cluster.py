@@ -332,6 +332,7 @@ class TestOtherWorkers:
                 list(running)
             assert chunks_there(study_folder) > 0
 
+    @pytest.mark.nightly
     def test_workers_that_join_later(self, tmp_path, study_folder):
         """None is there at first; the second comes when the first is busy, and both have done something."""
         with scheduler(tmp_path) as (file, _), client(file, study_folder, 150) as running:
