@@ -107,8 +107,8 @@ def component_uses(
     Heat of dampers is given per cooling area where its limit is, the angle of generators also in mechanical degrees.
     """
     order = {name: place for place, name in enumerate(model.limits)}
-    worst = sorted(judged.worst(), key=lambda worst_limit: order[worst_limit.verdict.limit])
-    uses = [use for worst_limit in worst for use in _uses(worst_limit, model, conventions, normal)]
+    worst = sorted(judged.worst(), key=lambda limit: order[limit.verdict.limit])
+    uses = [use for limit in worst for use in _uses(limit, model, conventions, normal)]
     return tuple(sorted(uses, key=lambda use: list(GROUPS).index(use.group)))
 
 

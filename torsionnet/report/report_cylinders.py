@@ -136,8 +136,7 @@ def governing_misfire(subject: ReportData) -> WorstLimit | None:
         return None
     worst = LimitConclusion(tuple(checks)).worst()
     return next(
-        (limit for limit in worst if limit.verdict.orders is not None and limit.verdict.worst is not None),
-        None,
+        (limit for limit in worst if limit.verdict.orders is not None and limit.verdict.worst is not None), None
     )
 
 

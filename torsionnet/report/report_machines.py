@@ -159,10 +159,9 @@ def _of_element(model: Drivetrain, element: Element) -> Iterator[tuple[Inline, s
         if isinstance(propeller, PropellerTorque) and element.kind == propeller.kind and propeller.shaft == node:
             yield phrase("{count} blades", count=propeller.blades), ""
             yield phrase("{kind} pitch", kind=propeller.pitch), ""
-            torque, power = (
-                quantity_text(propeller.torque, "torque"),
-                quantity_text(propeller.torque * propeller.rated, "power"),
-            )
+            torque = quantity_text(propeller.torque, "torque")
+            # P = M omega at rated speed.
+            power = quantity_text(propeller.torque * propeller.rated, "power")
             rated = quantity_text(propeller.rated, "speed")
             yield "rated torque", phrase("{value} at {speed} ({power})", value=torque, speed=rated, power=power)
     defaults = element.defaults()

@@ -303,9 +303,8 @@ def properties_of(spec: Spec[Any]) -> Mapping[Any, Any]:
     schema: Any = spec.schema()
     definitions: Any = spec.definitions()
     for alternative in (schema, *schema.get("anyOf", ()), *definitions.values()):
-        schema_of = (
-            definitions.get(alternative["$ref"].rpartition("/")[2], {}) if "$ref" in alternative else alternative
-        )
+        reference = alternative.get("$ref", "")
+        schema_of = definitions.get(reference.rpartition("/")[2], {}) if reference else alternative
         for inner in (schema_of, *schema_of.get("anyOf", ())):
             if isinstance(inner.get("properties"), Mapping):
                 properties: Mapping[Any, Any] = inner["properties"]

@@ -87,11 +87,8 @@ def estimated_response(campaign: Campaign, name: str) -> FrequencyResponse:
 
 def response_record(campaign: Campaign, name: str) -> Recording:
     """Record of the input, the outputs and the set-point of the responses, calibrated, in SI."""
-    asked, entry, channels = (
-        not_none(campaign.plan.responses),
-        campaign.plan.records[name],
-        campaign.plan.channels or {},
-    )
+    asked, entry = not_none(campaign.plan.responses), campaign.plan.records[name]
+    channels = campaign.plan.channels or {}
     names = list(dict.fromkeys(filter(None, [*asked.outputs, asked.input, asked.reference])))
     try:
         record = read_even(

@@ -100,12 +100,10 @@ def _band_sentences(check: LimitCheck) -> Iterator[str]:
     limits_by_span: dict[SpeedSpan, list[str]] = {}
     ends = SpeedSpan(float(check.speeds[0]), float(check.speeds[-1]))
     for verdict in check.verdicts:
-        in_band = (
-            verdict.running
-            and verdict.judged
-            and verdict.judged[0].low >= verdict.running.low * (1 - WHOLE_RPM_RELATIVE)
-        )
-        if verdict.running != ends and in_band:
+        if not verdict.running or not verdict.judged or verdict.running == ends:
+            continue
+        # Where no speed of the band is permitted, the machine runs below it: those speeds are judged, too.
+        if verdict.judged[0].low >= verdict.running.low * (1 - WHOLE_RPM_RELATIVE):
             limits_by_span.setdefault(verdict.judged[0], []).append(f"{verdict.limit} {verdict.criterion}")
     for span, names in limits_by_span.items():
         low, high = span.low * RPM, span.high * RPM
@@ -264,10 +262,8 @@ class LimitCheck(SavedResult):
         Where no speed of them is permitted, it runs below, and there is none either.
         """
         bands = [verdict.running for verdict in self.verdicts if verdict.running]
-        low, high = (
-            min((band.low for band in bands), default=0.0),
-            max((band.high for band in bands), default=0.0),
-        )
+        low = min((band.low for band in bands), default=0.0)
+        high = max((band.high for band in bands), default=0.0)
         reached = self.highest is None or self.highest > low * (1 + WHOLE_RPM_RELATIVE)
         return SpeedSpan(low, high) if bands and reached else None
 

@@ -177,9 +177,8 @@ def _at_its_rate(
     running: _Examination, run_up: StartingRange, limit: Limit, evidence: Evidence, steady: LimitVerdict
 ) -> PassedLimit:
     """Verdict on a limit that steady vibration exceeds, by the vibration while the speed rises at its rate."""
-    sensors_and_factor = (
-        limit.passing_sensors(steady.criterion, running.subject) if steady.verdict in (FAIL, OPEN) else None
-    )
+    is_open = steady.verdict in (FAIL, OPEN)
+    sensors_and_factor = limit.passing_sensors(steady.criterion, running.subject) if is_open else None
     # The passage is that of a linear drivetrain: motions that jump are judged as if each speed lasted.
     if run_up.rate is None or sensors_and_factor is None or not len(steady.values) or running.speeds.periodic:
         return PassedLimit(steady)
@@ -192,7 +191,7 @@ def _at_its_rate(
         running.drivetrain, sensors, [0.0, (span.high - span.low) / run_up.rate], [span.low, span.high],
         speed_of=running.speeds.reference, excitation=running.excitations,
     )  # fmt: skip
-    peak = max((run.peak(str(sensor)) for sensor in sensors), key=lambda half_range_peak: half_range_peak.half_range)
+    peak = max((run.peak(str(sensor)) for sensor in sensors), key=lambda at_sensor: at_sensor.half_range)
     # The mean part of the value, as of T_mean + T_v, is the same whether the speed rises or not.
     mean = float(np.max(steady.values - factor * evidence.size(sensors)))
     return PassedLimit(steady, factor * peak.half_range + mean, peak.rpm)

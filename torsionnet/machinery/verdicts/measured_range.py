@@ -218,11 +218,7 @@ def measured_ranges(
                 continue
             rising = np.argsort(orders.speeds, kind="stable")
             beside = measured_range(
-                check,
-                verdict,
-                orders.name,
-                orders.speeds[rising],
-                orders.half_range[rising] * scale,
+                check, verdict, orders.name, orders.speeds[rising], orders.half_range[rising] * scale
             )
             ranges += [beside] if beside else []
     if not ranges:

@@ -246,9 +246,7 @@ def last_notes(checks: Sequence[LimitCheck], named: Callable[[Sequence[str]], st
     one for all that run in the same speed band, outside of which they only pass. ``named`` makes a text of the names of
     configurations.
     """
-    failed = dict.fromkeys(
-        limit_verdict.limit for check in checks for limit_verdict in check.verdicts if limit_verdict.verdict == FAIL
-    )
+    failed = dict.fromkeys(verdict.limit for check in checks for verdict in check.verdicts if verdict.verdict == FAIL)
     failed |= dict.fromkeys(name for check in checks if check.run_up for name in check.run_up.names(FAIL))
     starts, outside = starts_words(checks), list(_only_passed(checks, named))
     if failed:

@@ -133,7 +133,7 @@ def _electrical_lines(drivetrain: AssembledModel, reference: str) -> Iterator[Or
         lines = (machine.line, machine.slip, machine.short_circuit)
         # A machine on the mains has a fixed frequency; one on an inverter follows the speed with p n, the slip left
         # out.
-        fixed = next((machine_line.frequency for machine_line in lines if machine_line is not None), None)
+        fixed = next((line.frequency for line in lines if line is not None), None)
         if fixed is not None:
             yield from (OrderLine(name, 0.0, Fraction(1), times * fixed) for times in MULTIPLES)
         elif machine.pole_pairs and machine.node in ratios:

@@ -101,12 +101,11 @@ def _m68_shafts(subject: ReportData, judged: LimitConclusion) -> Iterator[Block]
     """Formulas of IACS UR M68 and tables of the factors of the shafts that it is for."""
     limits = subject.model.definition.limits
     shafts = [
-        worst_limit
-        for worst_limit in judged.worst()
-        if isinstance(limits[worst_limit.verdict.limit], IacsM68)
-        and worst_limit.verdict.criterion in in_all_words("tau_C")
+        limit
+        for limit in judged.worst()
+        if isinstance(limits[limit.verdict.limit], IacsM68) and limit.verdict.criterion in in_all_words("tau_C")
     ]
-    shafts.sort(key=lambda worst_limit: list(limits).index(worst_limit.verdict.limit))
+    shafts.sort(key=lambda limit: list(limits).index(limit.verdict.limit))
     if shafts:
         yield Paragraph(M68_TEXT)
     for start in range(0, len(shafts), MOST_SHAFTS):

@@ -129,7 +129,7 @@ def _components(subject: ReportData, judged: LimitConclusion) -> TableBlock:
         Heading("Unit"),
         Heading("Utilisation", "%", numeric=True),
     )
-    worst = [row for worst_limit in judged.worst() for row in _records(judged, worst_limit)]
+    worst = [row for limit in judged.worst() for row in _records(judged, limit)]
     if len(judged.checks) < 2:
         return table("Verdict on every component, at its worst speed", columns, _rows(subject, worst, named=False))
     normal = next(check for check in judged.checks if check.configuration == subject.normal_case.configuration)
@@ -157,21 +157,18 @@ def _records(judged: LimitConclusion, worst: WorstLimit) -> Iterator[WorstLimit]
 
 def _rows(subject: ReportData, worst: Sequence[WorstLimit], *, named: bool) -> tuple[tuple[Cell, ...], ...]:
     """Rows of the table of components; ``named`` tells whether they say the condition."""
-    sizes = [_sizes(subject, worst_limit) for worst_limit in worst]
+    sizes = [_sizes(subject, limit) for limit in worst]
     cells: list[list[Cell]] = [
-        [_component(worst_limit) for worst_limit in worst],
-        [as_words(worst_limit.verdict.criterion) for worst_limit in worst],
-        [subject.titles.of(worst_limit.check.configuration) if named else "" for worst_limit in worst],
-        [worst_limit.verdict.verdict for worst_limit in worst],
-        [judged_words(worst_limit.verdict) for worst_limit in worst],
-        list(aligned_numbers([worst_limit.rpm for worst_limit in worst], 4)),
+        [_component(limit) for limit in worst],
+        [as_words(limit.verdict.criterion) for limit in worst],
+        [subject.titles.of(limit.check.configuration) if named else "" for limit in worst],
+        [limit.verdict.verdict for limit in worst],
+        [judged_words(limit.verdict) for limit in worst],
+        list(aligned_numbers([limit.rpm for limit in worst], 4)),
         ["" if value is None else NumberText(value, 4) for value, _, _ in sizes],
         ["" if allowed is None else NumberText(allowed, 4) for _, allowed, _ in sizes],
         [unit(shown) if shown else "" for _, _, shown in sizes],
-        [
-            "" if worst_limit.utilisation is None else NumberText(100 * worst_limit.utilisation, 3)
-            for worst_limit in worst
-        ],
+        ["" if limit.utilisation is None else NumberText(100 * limit.utilisation, 3) for limit in worst],
     ]
     return tuple(zip(*cells, strict=True))
 

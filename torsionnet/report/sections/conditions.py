@@ -215,22 +215,18 @@ def _conditions(subject: ReportData) -> TableBlock:
 
 def _verdict(check: LimitCheck) -> tuple[Cell, ...]:
     """Verdict on the limits in a condition with the limits that do not hold, speeds not permitted, most used limit."""
-    concerned = [limit_verdict for limit_verdict in check.verdicts if not limit_verdict.elsewhere]
-    grave = dict.fromkeys(
-        as_words(limit_verdict.limit) for limit_verdict in concerned if limit_verdict.verdict == check.verdict
-    )
+    concerned = [verdict for verdict in check.verdicts if not verdict.elsewhere]
+    grave = dict.fromkeys(as_words(verdict.limit) for verdict in concerned if verdict.verdict == check.verdict)
     named = phrase("{verdict}: {limits}", verdict=phrase(check.verdict), limits=", ".join(grave))
-    rest = gravest(limit_verdict.verdict for limit_verdict in concerned if limit_verdict.verdict != OPEN)
-    if check.verdict == OPEN and any(limit_verdict.verdict != OPEN for limit_verdict in concerned):
+    rest = gravest(verdict.verdict for verdict in concerned if verdict.verdict != OPEN)
+    if check.verdict == OPEN and any(verdict.verdict != OPEN for verdict in concerned):
         named = phrase("{verdict}; not judged: {limits}", verdict=phrase(rest), limits=", ".join(grave))
     if not grave and check.run_up is not None:
-        steady, starts = (
-            gravest(limit_verdict.verdict for limit_verdict in concerned),
-            map(as_words, check.run_up.names(check.verdict)),
-        )
+        steady = gravest(verdict.verdict for verdict in concerned)
+        starts = map(as_words, check.run_up.names(check.verdict))
         template = "{verdict}; starts {finding}: {limits}"
         named = phrase(template, verdict=phrase(steady), finding=phrase(check.verdict), limits=", ".join(starts))
-    (most, *_) = sorted(concerned, key=lambda limit_verdict: -(limit_verdict.worst_utilisation or 0.0))
+    (most, *_) = sorted(concerned, key=lambda verdict: -(verdict.worst_utilisation or 0.0))
     return (
         named if check.verdict in (FAIL, OPEN) else check.verdict,
         permitted_words(check.permitted),

@@ -111,10 +111,10 @@ def _worst(subject: ReportData, judged: LimitConclusion) -> list[TableBlock]:
         title = in_words_of(excitations, words)
         worst: dict[tuple[str, str], tuple[LimitCheck, LimitVerdict]] = {}
         for check in judged.checks:
-            for limit_verdict in vibratory_verdicts(check) if check.misfiring is misfiring else ():
-                known = worst.get((limit_verdict.limit, limit_verdict.quantity))
-                if limit_verdict.worst is not None and (known is None or _use(limit_verdict) > _use(known[1])):
-                    worst[limit_verdict.limit, limit_verdict.quantity] = (check, limit_verdict)
+            for verdict in vibratory_verdicts(check) if check.misfiring is misfiring else ():
+                known = worst.get((verdict.limit, verdict.quantity))
+                if verdict.worst is not None and (known is None or _use(verdict) > _use(known[1])):
+                    worst[verdict.limit, verdict.quantity] = (check, verdict)
         if worst:
             groups.append(Group(tuple(_worst_row(subject, *pair) for pair in worst.values()), title))
     if not groups:
@@ -130,23 +130,23 @@ def _worst(subject: ReportData, judged: LimitConclusion) -> list[TableBlock]:
     ]
 
 
-def _use(limit_verdict: LimitVerdict) -> float:
-    return -1.0 if limit_verdict.worst is None else float(limit_verdict.utilisation[limit_verdict.worst])
+def _use(verdict: LimitVerdict) -> float:
+    return -1.0 if verdict.worst is None else float(verdict.utilisation[verdict.worst])
 
 
-def _worst_row(subject: ReportData, check: LimitCheck, limit_verdict: LimitVerdict) -> tuple[Cell, ...]:
+def _worst_row(subject: ReportData, check: LimitCheck, verdict: LimitVerdict) -> tuple[Cell, ...]:
     """Row of a limit at its worst speed in one condition."""
-    at = limit_verdict.worst
+    at = verdict.worst
     assert at is not None
     return (
-        (as_words(limit_verdict.limit), " ", criterion_cell(limit_verdict.criterion)),
-        condition_cell(subject, check, as_words(limit_verdict.case)),
+        (as_words(verdict.limit), " ", criterion_cell(verdict.criterion)),
+        condition_cell(subject, check, as_words(verdict.case)),
         NumberText(float(check.rpm[at]), 4),
-        limit_number(float(limit_verdict.values[at]), limit_verdict.unit, subject.conventions),
-        limit_number(float(limit_verdict.allowed[at]), limit_verdict.unit, subject.conventions),
-        limit_unit(limit_verdict.unit, subject.conventions),
-        NumberText(100 * float(limit_verdict.utilisation[at]), DIGITS),
-        orders_cell(subject, check, limit_verdict, at),
+        limit_number(float(verdict.values[at]), verdict.unit, subject.conventions),
+        limit_number(float(verdict.allowed[at]), verdict.unit, subject.conventions),
+        limit_unit(verdict.unit, subject.conventions),
+        NumberText(100 * float(verdict.utilisation[at]), DIGITS),
+        orders_cell(subject, check, verdict, at),
     )
 
 

@@ -85,17 +85,17 @@ def _introduction(subject: ReportData) -> Text:
     return text
 
 
-def modes_table(subject: ReportData, modes_of_cases: tuple[Modes, ...], caption: Text) -> TableBlock:
+def modes_table(subject: ReportData, modes_by_case: tuple[Modes, ...], caption: Text) -> TableBlock:
     """Table of modes with a group of rows for each configuration of the report."""
     groups = []
-    for case, modes in zip(subject.cases, modes_of_cases, strict=True):
+    for case, modes in zip(subject.cases, modes_by_case, strict=True):
         title = phrase("Configuration {name}", name=case.title) if len(subject.cases) > 1 else ""
         groups.append(TableGroup(_rows(modes, case.drivetrain), title))
-    return TableBlock(caption, COLUMNS, tuple(groups), tuple(_notes(subject, modes_of_cases)))
+    return TableBlock(caption, COLUMNS, tuple(groups), tuple(_notes(subject, modes_by_case)))
 
 
 def listed_modes(
-    subject: ReportData, modes_of_cases: tuple[Modes, ...], caption: Text, *, energies: bool = False
+    subject: ReportData, modes_by_case: tuple[Modes, ...], caption: Text, *, energies: bool = False
 ) -> list[Block]:
     """Tables of the modes of every configuration of the report.
 
@@ -106,26 +106,26 @@ def listed_modes(
         return [modes_table(part, modes, said), *([_energies(part, modes)] if energies else [])]
 
     if len(subject.cases) <= FEW_CASES:
-        return full(subject, modes_of_cases, caption)
+        return full(subject, modes_by_case, caption)
     first, rest = replace(subject, cases=subject.cases[:1]), replace(subject, cases=subject.cases[1:])
     where = phrase(", configuration {name}", name=subject.cases[0].title)
     folded = Details(
         (phrase("Modes of the other {count} configurations in full", count=len(rest.cases)),),
-        tuple(full(rest, modes_of_cases[1:], caption)),
+        tuple(full(rest, modes_by_case[1:], caption)),
         ("The report as HTML has the modes of the other configurations in full.",),
     )
-    compared = [_compared(subject, modes_of_cases, caption, damping=damping) for damping in (False, True)]
-    return [*full(first, modes_of_cases[:1], (*caption, where)), *[each for each in compared if each], folded]
+    compared = [_compared(subject, modes_by_case, caption, damping=damping) for damping in (False, True)]
+    return [*full(first, modes_by_case[:1], (*caption, where)), *[each for each in compared if each], folded]
 
 
 def _compared(
-    subject: ReportData, modes_of_cases: tuple[Modes, ...], caption: Text, *, damping: bool
+    subject: ReportData, modes_by_case: tuple[Modes, ...], caption: Text, *, damping: bool
 ) -> TableBlock | None:
     """Table of natural frequencies (Hz) or damping ratios with a row for each configuration of the report.
 
     None without vibrations.
     """
-    swings = [[index for index, kind in enumerate(modes.kinds) if kind == OSCILLATORY] for modes in modes_of_cases]
+    swings = [[index for index, kind in enumerate(modes.kinds) if kind == OSCILLATORY] for modes in modes_by_case]
     letter, shown = (r"\zeta", "%") if damping else ("f", "Hz")
     columns = [Heading("Configuration")]
     lists: list[list[Cell]] = [[case.title for case in subject.cases]]
@@ -134,7 +134,7 @@ def _compared(
             (100 * float(modes.damping_ratios[at[place]]) if damping else float(modes.natural_frequencies[at[place]]))
             if place < len(at)
             else None
-            for modes, at in zip(modes_of_cases, swings, strict=True)
+            for modes, at in zip(modes_by_case, swings, strict=True)
         ]
         columns.append(Heading((Math(f"{letter}_{{{place + 1}}}"),), shown, numeric=True))
         lists.append(list(aligned_numbers(values, 3 if damping else 4)))
@@ -171,22 +171,22 @@ def _number(modes: Modes, index: int) -> Cell:
     return MISSING_TYPESET if number is None else str(number)
 
 
-def _notes(subject: ReportData, modes_of_cases: tuple[Modes, ...]) -> list[Text]:
+def _notes(subject: ReportData, modes_by_case: tuple[Modes, ...]) -> list[Text]:
     """Texts of the notes under a table of modes: undamped natural frequencies, and notes of the calculation."""
     notes: list[Text] = []
-    for case, modes in zip(subject.cases, modes_of_cases, strict=True):
+    for case, modes in zip(subject.cases, modes_by_case, strict=True):
         where = f"{case.title}: " if len(subject.cases) > 1 else ""
         undamped = [f"{value:.4g}" for value in modes.undamped_natural_frequencies[:MOST_MODES] if value > 0]
         notes.append((f"{where}{', '.join(undamped)} Hz",))
     listed = "; ".join(str(note[0]) for note in notes)
-    remarks = dict.fromkeys(note for modes in modes_of_cases for note in modes.notes)
+    remarks = dict.fromkeys(note for modes in modes_by_case for note in modes.notes)
     lead = ("Undamped natural frequencies: ", listed)
-    counted = counting_notes([number for modes in modes_of_cases for number in modes.numbers])
+    counted = counting_notes([number for modes in modes_by_case for number in modes.numbers])
     counting: list[Text] = [(capital(note), ".") for note in counted]
     return [*counting, lead, *(sentence(extended(capital(note), "."), subject.model) for note in remarks)]
 
 
-def _energies(subject: ReportData, modes_of_cases: tuple[Modes, ...]) -> TableBlock:
+def _energies(subject: ReportData, modes_by_case: tuple[Modes, ...]) -> TableBlock:
     columns = (
         Heading("Mode"),
         Heading("Kinetic energy", wide=True),
@@ -194,7 +194,7 @@ def _energies(subject: ReportData, modes_of_cases: tuple[Modes, ...]) -> TableBl
         Heading("Dissipated power", wide=True),
     )
     groups = []
-    for case, modes in zip(subject.cases, modes_of_cases, strict=True):
+    for case, modes in zip(subject.cases, modes_by_case, strict=True):
         rows = tuple((modes.names[index], *_energy(modes, index)) for index in range(len(modes)))
         groups.append(
             TableGroup(rows, phrase("Configuration {name}", name=case.title) if len(subject.cases) > 1 else "")

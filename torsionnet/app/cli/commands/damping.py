@@ -150,7 +150,7 @@ class DampingCommand(RecordCommand):
         orders = self.orders or ()
         if len(orders) > 1:
             raise WrongUsage("a tracked order is read alone: give one of --orders", kind="wrong-count")
-        tracked = {tracked_order.name: tracked_order for tracked_order in read_tracked_orders(self.record)}
+        tracked = {order.name: order for order in read_tracked_orders(self.record)}
         name = self.channels[0]
         if name not in tracked:
             text = f'no tracked channel is named "{name}"{did_you_mean(name, tracked)}'

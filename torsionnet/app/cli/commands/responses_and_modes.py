@@ -80,12 +80,12 @@ class ModesCommand(ModelCommand):
         from torsionnet.base.conventions import Conventions
 
         conventions = Conventions(frequency=self.frequency_unit)
-        modes_of_cases = self.each(
+        modes_by_case = self.each(
             "modes",
             cases,
             self._modes,
         )
-        results = [self._referred(case, modes) for case, modes in zip(cases, modes_of_cases, strict=True)]
+        results = [self._referred(case, modes) for case, modes in zip(cases, modes_by_case, strict=True)]
         tables = [modes.table(conventions) for modes in results]
         pairs = list(zip(cases, results, strict=True))
         return Answer(
@@ -100,7 +100,7 @@ class ModesCommand(ModelCommand):
                     case.configuration,
                     plot.mode_shapes(modes, case.drivetrain, referred_to=self.referred_to, conventions=conventions),
                 )
-                for case, modes in zip(cases, modes_of_cases, strict=True)
+                for case, modes in zip(cases, modes_by_case, strict=True)
             ],
         )
 
