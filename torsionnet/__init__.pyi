@@ -37,8 +37,8 @@ from torsionnet.linear.frequency_response import Channel as Channel
 from torsionnet.linear.frequency_response import FrequencyResponse as FrequencyResponse
 from torsionnet.linear.modes.modes import Modes as Modes
 from torsionnet.linear.responses.grid import Adaptive as Adaptive
-from torsionnet.loading import load as load
-from torsionnet.loading import loads as loads
+from torsionnet.drivetrain import load as load
+from torsionnet.drivetrain import loads as loads
 from torsionnet.model.damping import convert_damping as convert_damping
 from torsionnet.model.elements import Element as Element
 from torsionnet.model.elements.element_types import ArcSpring as ArcSpring

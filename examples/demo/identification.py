@@ -15,8 +15,8 @@ from torsionnet.app.cli.terminal import print_table
 from torsionnet.base.conventions import Conventions
 from torsionnet.bench import Bench, load_bench
 from torsionnet.bench.plan import Encoder
+from torsionnet.drivetrain import load
 from torsionnet.identification import Fit, Measurement, identify
-from torsionnet.loading import load
 from torsionnet.signals import PAPER
 
 TRUE_VALUES = {"c_2": 4.0, "c_O": 170.0, "c_B": 1.5}

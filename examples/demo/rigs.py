@@ -15,8 +15,8 @@ from torsionnet.app.cli.commands.responses_and_modes import without_eigenvalues
 from torsionnet.app.cli.terminal import print_table
 from torsionnet.base.conventions import Conventions
 from torsionnet.base.table import Column, Table
+from torsionnet.drivetrain import load
 from torsionnet.linear.responses.grid import peaks
-from torsionnet.loading import load
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain

@@ -5,7 +5,7 @@ from support.broken_models import BASE, CASES
 from support.faults import is_as_expected
 
 from torsionnet.base.errors import ModelError, UsageError
-from torsionnet.loading import load, loads
+from torsionnet.drivetrain import load, loads
 from torsionnet.model.files import read_file
 from torsionnet.model.files.located_yaml import PythonParser, compose
 from torsionnet.model.files.reader import read_text

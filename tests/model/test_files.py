@@ -26,8 +26,7 @@ from support.patience import PATIENCE
 from torsionnet.base import atomic
 from torsionnet.base.entries.spec import Renaming
 from torsionnet.base.errors import ModelError
-from torsionnet.drivetrain import Drivetrain
-from torsionnet.loading import load, loads
+from torsionnet.drivetrain import Drivetrain, load, loads
 from torsionnet.model.channels import ELEMENT_QUANTITIES
 from torsionnet.model.elements import (
     ELEMENT_TYPES,

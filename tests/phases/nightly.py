@@ -32,7 +32,7 @@ READERS = (
     "torsionnet/signals/*",
     "torsionnet/model/*",
     "torsionnet/base/*",
-    "torsionnet/loading.py",
+    "torsionnet/drivetrain.py",
     "library/*",
 )
 ADAPTERS = tuple(

@@ -7,7 +7,7 @@ import pytest
 from fuzz.mutating import mutated
 
 from torsionnet.base.errors import ModelError
-from torsionnet.loading import loads
+from torsionnet.drivetrain import loads
 from torsionnet.model.files import dump, library_models
 from torsionnet.model.files.library import decode
 from torsionnet.model.files.reader import read_text

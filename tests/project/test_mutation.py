@@ -118,7 +118,7 @@ def test_trials_in_a_copy(tmp_path):
     place = f"{module}:{seen.function}"
     reach = ReachMap.of({f"{test}_as_it_was": (0.5, False, [place]), test: (1.0, False, [place])})
     trials = Trials(tmp_path, reach, 60, 1)
-    elsewhere = Mutant("torsionnet/loading.py", 1, "load", 0, 0, "", "")
+    elsewhere = Mutant("torsionnet/drivetrain.py", 1, "load", 0, 0, "", "")
     outcomes = list(trials.outcomes([seen, unseen, elsewhere]))
     assert [(outcome.word, outcome.by) for outcome in outcomes] == [
         ("noticed", test),

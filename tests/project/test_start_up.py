@@ -130,7 +130,7 @@ def test_a_model_imports_what_it_has(pytestconfig):
     loaded = loaded_modules(command("check", "dmf_rig"), pytestconfig.rootpath)
     assert {"torsionnet.model.elements.rigid", "torsionnet.model.checks.structure"} <= loaded
     assert not loaded & NOT_FOR_A_PLAIN_RIG
-    others = {layer for one in LAYERS for layer in one.names} - {*CORE, "app", "loading", "drivetrain", "__main__"}
+    others = {layer for one in LAYERS for layer in one.names} - {*CORE, "app", "drivetrain", "__main__"}
     strange = {name for name in loaded if name.startswith(tuple(f"torsionnet.{room}." for room in others))}
     assert {name for name in strange if not name.startswith("torsionnet.report.plan")} == set()  # it has that section
 

@@ -24,7 +24,7 @@ LAYERS = (  # top to bottom
     Layer(("identification",), "parameters from tests"),
     Layer(("io",), "files of other programs"),
     Layer(
-        ("loading", "drivetrain", "extend"),
+        ("drivetrain", "extend"),
         "drivetrains out of model files; `Drivetrain`, a model that can be asked for its responses, modes and equations; what element types of others need",
     ),
     Layer(("motion",), "laws that are not linear: operating points, scenarios, motion over time"),

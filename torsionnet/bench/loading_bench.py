@@ -13,8 +13,7 @@ from torsionnet.base.errors import Fault, ModelError, TorsionnetError, UsageErro
 from torsionnet.bench.bench import Bench
 from torsionnet.bench.plan.bench_checks import check_plan
 from torsionnet.bench.plan.plan import BenchFile
-from torsionnet.drivetrain import Drivetrain
-from torsionnet.loading import load
+from torsionnet.drivetrain import Drivetrain, load
 from torsionnet.model.files import read_file
 from torsionnet.model.files.library import decode, library_benches
 from torsionnet.model.files.located_yaml import LocatedDocument, compose

@@ -10,7 +10,7 @@ from typing import Any
 
 from torsionnet.base.entries.declared import version_faults
 from torsionnet.base.errors import Fault, ModelError, UsageError, did_you_mean, fault_of, unreadable_file
-from torsionnet.drivetrain import Drivetrain
+from torsionnet.drivetrain import Drivetrain, load
 from torsionnet.identification.orders.order_lines import OrderData, faults_of_orders, read_order_data, shows_phases
 from torsionnet.identification.orders.parametric_orders import numbers_of_excitations
 from torsionnet.identification.plan.fit_entries import FileReading, FitFile, FitMeasurement, FitParameter, FitSettings
@@ -18,7 +18,6 @@ from torsionnet.identification.residuals.measurement import Measurement, set_poi
 from torsionnet.identification.residuals.measurement_blocks import record_settings, welch_settings
 from torsionnet.identification.unknown_parameter import Unknown
 from torsionnet.linear.frequency_response import FrequencyResponse
-from torsionnet.loading import load
 from torsionnet.model.files.library import decode
 from torsionnet.model.files.located_yaml import LocatedDocument, compose
 from torsionnet.model.files.reader import is_file, located_faults, presentable_faults

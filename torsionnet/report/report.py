@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from torsionnet.base.errors import ModelError, UsageError, comma_list, did_you_mean, fault_of
 from torsionnet.base.nearby_files import files_recorded
 from torsionnet.base.version import __version__
-from torsionnet.loading import load
+from torsionnet.drivetrain import load
 from torsionnet.model.files.reader import find_model
 from torsionnet.report.document_tree import Report
 from torsionnet.report.measured_orders import measured_files

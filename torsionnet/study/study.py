@@ -15,8 +15,7 @@ from torsionnet.base.entries.spec import Json
 from torsionnet.base.errors import Fault, ModelError, UsageError, did_you_mean, unreadable_file
 from torsionnet.base.packages import NotebookResult
 from torsionnet.base.table import Column, Table
-from torsionnet.drivetrain import Drivetrain
-from torsionnet.loading import load
+from torsionnet.drivetrain import Drivetrain, load
 from torsionnet.model.files.library import decode, library_models, library_studies
 from torsionnet.model.files.located_yaml import LocatedDocument, compose
 from torsionnet.model.files.reader import located_faults, presentable_faults

@@ -372,7 +372,7 @@ def load_model(model: str) -> Drivetrain:
 
     ``-`` reads the model from standard input.
     """
-    from torsionnet.loading import load, loads
+    from torsionnet.drivetrain import load, loads
 
     return loads(standard_input_text(), STANDARD_INPUT_NAME) if model == STANDARD_INPUT else load(model)
 

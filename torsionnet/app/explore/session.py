@@ -17,12 +17,11 @@ from torsionnet.base.entries.scalars import QuantityKind, read_scalar
 from torsionnet.base.errors import TorsionnetError, UsageError
 from torsionnet.base.expressions import Number
 from torsionnet.base.registers import RecentResults
-from torsionnet.drivetrain import Drivetrain
+from torsionnet.drivetrain import Drivetrain, loads
 from torsionnet.linear.dynamic_stiffness.transfer_request import usable_channels
 from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.linear.modes.modes import Modes
 from torsionnet.linear.responses.grid import opening_range
-from torsionnet.loading import loads
 from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.model.channels import UNITS, Sensor
 from torsionnet.model.configurations import parse_choice

@@ -20,11 +20,10 @@ from torsionnet.base.packages import NotebookResult, imported
 from torsionnet.base.table import Column, Table
 from torsionnet.base.version import __version__
 from torsionnet.bench.campaign.campaign_file import CampaignFile, CampaignRecord, response_faults, tracked_entries
-from torsionnet.drivetrain import Drivetrain
+from torsionnet.drivetrain import Drivetrain, load
 from torsionnet.identification.orders.parametric_orders import parameters_of_drivetrain
 from torsionnet.io.wheel_files import read_wheel_pattern
 from torsionnet.linear.sensitivity.unknowns import unknowns
-from torsionnet.loading import load
 from torsionnet.model.channels import Sensor, named_sensor
 from torsionnet.model.definition import all_nodes
 from torsionnet.model.files.library import decode, library_campaigns

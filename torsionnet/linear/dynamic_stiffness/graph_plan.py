@@ -245,8 +245,8 @@ class _Planner:
                 slot, factor = there
                 self.sources += [[] for _ in range(slot + 1 - len(self.sources))]
                 self.sources[slot].append((index, factor * factor))
-        self.weights = [(e, self._load(row)) for e, row in enumerate(loads)]
-        self.outputs = tuple(self._motion(row) or (-1, 0.0) for row in outputs)
+        self.weights = [(e, self._kept(self.loads, row)) for e, row in enumerate(loads)]
+        self.outputs = tuple(self._kept(self.motions, row) or (-1, 0.0) for row in outputs)
         self.last = min((j for row in loads[:1] for j in row if j < n_free), default=None)
 
     def choose_other_root(self) -> None:
@@ -267,13 +267,14 @@ class _Planner:
             return self.laws.add(row)
         return None
 
-    def _load(self, row: Row) -> tuple[int, float] | None:
-        row = {j: a for j, a in row.items() if j < self.n_free or j in self.open}
-        return self.loads.add(row) if row else None
+    def _kept(self, table: RowTable, row: Row) -> tuple[int, float] | None:
+        """Number and factor of a load or motion in its table, over coordinates and those given columns that count.
 
-    def _motion(self, row: Row) -> tuple[int, float] | None:
-        row = {j: a for j, a in row.items() if j < self.n_free or j in self.driven}
-        return self.motions.add(row) if row else None
+        Loads do work on open gaps, motions follow driven columns. None where nothing is left of the row.
+        """
+        given = self.open if table is self.loads else self.driven
+        row = {j: a for j, a in row.items() if j < self.n_free or j in given}
+        return table.add(row) if row else None
 
     # --- order ------------------------------------------------------------------------------------------------------
 
@@ -335,7 +336,7 @@ class _Planner:
             PassedLoad(slot, i, row[v] * there[1], there[0])
             for slot in loads
             for i, row in enumerate(rows)
-            if (there := self._load(combine_rows(self.loads.rows[slot], row, v, self.accuracy)))
+            if (there := self._kept(self.loads, combine_rows(self.loads.rows[slot], row, v, self.accuracy)))
         ]
         # r q = r_v f_v/S + sum_e (kappa_e a_ev/S) b_e q, on the way back, when all motions but v are known.
         motions = []
@@ -344,7 +345,7 @@ class _Planner:
             parts = tuple(
                 (i, row[v] * there[1], there[0])
                 for i, row in enumerate(rows)
-                if (there := self._motion(combine_rows(motion, row, v, self.accuracy)))
+                if (there := self._kept(self.motions, combine_rows(motion, row, v, self.accuracy)))
             )
             motions.append(MotionStep(number, motion[v] if loads else 0.0, parts))
         shared = {*(pair.i for pair in pairs), *(part.i for part in passed)}

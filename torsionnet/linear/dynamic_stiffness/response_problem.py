@@ -114,48 +114,45 @@ class _Taping:
         self.links[slot] = self.writer.plus(self.links.get(slot), term)
 
     def _eliminated(self) -> Iterable[_Eliminated]:
+        """Write the elimination of one coordinate after the other, and yield its shares and the motions of loads."""
+        writer = self.writer
         for step in self.plan.steps:
             for slot, parts in step.handed_on:
                 for target, weight in parts:
-                    part = self.writer.times(self._link(slot), TapeQuantity(-1, weight))
-                    self._add_link(target, part)
-            if step.shared or step.loads:
-                yield self._eliminate(step)
-            else:
+                    self._add_link(target, writer.times(self._link(slot), TapeQuantity(-1, weight)))
+            if not (step.shared or step.loads):
                 yield _Eliminated(step, {}, {})
-
-    def _eliminate(self, step: EliminationStep) -> _Eliminated:
-        writer = self.writer
-        terms = [self._link(slot) for slot, _ in step.terms]
-        # Pivot S = sum kappa_e a_ev^2 in N m/rad, the total stiffness on the coordinate.
-        pivot = None
-        for term, (_, square) in zip(terms, step.terms, strict=True):
-            pivot = writer.plus(pivot, writer.times(term, TapeQuantity(-1, square)))
-        S = pivot or TapeQuantity(writer.new(CONSTANT, factor=0.0), 1.0)
-        # Shares s_i = kappa_i/S; several of them by one reciprocal, as a product takes less than a quotient.
-        if len(step.shared) > 1:
-            inverse = writer.over(ONE, S)
-            shares = {i: writer.times(terms[i], inverse) for i in step.shared}
-        else:
-            shares = {i: writer.over(terms[i], S) for i in step.shared}
-        # D' = sum_{i<j} factor s_i kappa_j b b^T.
-        for i, j, factor, target in step.pairs:
-            self._add_link(target, writer.times(writer.times(shares[i], terms[j]), TapeQuantity(-1, factor)))
-        loads = {}
-        for excitation, weights in enumerate(self.weights):
-            # w[target] += factor s_i w[slot]: loads on the coordinate pass on to other rows ...
-            for slot, i, factor, target in step.passed:
-                if slot in weights:
-                    passed = writer.times(writer.times(weights[slot], shares[i]), TapeQuantity(-1, factor))
-                    self._add(weights, target, passed)
-            # ... and their sum over S is the motion that they cause on the spot.
-            load = None
-            for slot, factor in step.loads:
-                if slot in weights:
-                    load = writer.plus(load, writer.times(weights[slot], TapeQuantity(-1, factor)))
-            if load is not None:
-                loads[excitation] = writer.over(load, S)
-        return _Eliminated(step, shares, loads)
+                continue
+            terms = [self._link(slot) for slot, _ in step.terms]
+            # Pivot S = sum kappa_e a_ev^2 in N m/rad, the total stiffness on the coordinate.
+            pivot = None
+            for term, (_, square) in zip(terms, step.terms, strict=True):
+                pivot = writer.plus(pivot, writer.times(term, TapeQuantity(-1, square)))
+            S = pivot or TapeQuantity(writer.new(CONSTANT, factor=0.0), 1.0)
+            # Shares s_i = kappa_i/S; several of them by one reciprocal, as a product takes less than a quotient.
+            if len(step.shared) > 1:
+                inverse = writer.over(ONE, S)
+                shares = {i: writer.times(terms[i], inverse) for i in step.shared}
+            else:
+                shares = {i: writer.over(terms[i], S) for i in step.shared}
+            # D' = sum_{i<j} factor s_i kappa_j b b^T.
+            for i, j, factor, target in step.pairs:
+                self._add_link(target, writer.times(writer.times(shares[i], terms[j]), TapeQuantity(-1, factor)))
+            loads = {}
+            for excitation, weights in enumerate(self.weights):
+                # w[target] += factor s_i w[slot]: loads on the coordinate pass on to other rows ...
+                for slot, i, factor, target in step.passed:
+                    if slot in weights:
+                        passed = writer.times(writer.times(weights[slot], shares[i]), TapeQuantity(-1, factor))
+                        self._add(weights, target, passed)
+                # ... and their sum over S is the motion that they cause on the spot.
+                load = None
+                for slot, factor in step.loads:
+                    if slot in weights:
+                        load = writer.plus(load, writer.times(weights[slot], TapeQuantity(-1, factor)))
+                if load is not None:
+                    loads[excitation] = writer.over(load, S)
+            yield _Eliminated(step, shares, loads)
 
 
 class _Back(_Taping):

@@ -46,9 +46,10 @@ def _expressions(definition: Definition) -> Iterator[tuple[EntryPath, Expression
         for label, overlay in alternatives.items():
             for name, value in overlay.parameters.items():
                 yield ("configurations", axis, label, name), value
-            yield from _point_expressions(overlay.operating_point, ("configurations", axis, label, "operating_point"))
-    if definition.operating_point:
-        yield from _point_expressions(definition.operating_point, ("operating_point",))
+    for path, point in _operating_points(definition):
+        for table in ("speed", "torque"):
+            for node, value in getattr(point, table).items():
+                yield (*path, table, node), value
     if definition.has_overrides:
         from torsionnet.model.checks.overrides import changed_expressions
 
@@ -58,28 +59,22 @@ def _expressions(definition: Definition) -> Iterator[tuple[EntryPath, Expression
             yield ("scenarios", name, *path), expression
 
 
-def _point_expressions(point: OperatingPoint | None, path: EntryPath) -> Iterator[tuple[EntryPath, Expression]]:
-    if point is not None:
-        for table in ("speed", "torque"):
-            for node, value in getattr(point, table).items():
-                yield (*path, table, node), value
+def _operating_points(definition: Definition) -> Iterator[tuple[EntryPath, OperatingPoint]]:
+    """Path and operating point of the model and of each alternative that has one."""
+    yield ("operating_point",), definition.operating_point
+    for axis, alternatives in definition.configurations.items():
+        for label, overlay in alternatives.items():
+            if overlay.operating_point is not None:
+                yield ("configurations", axis, label, "operating_point"), overlay.operating_point
 
 
-def undefined_parameters(definition: Definition) -> list[Fault]:
-    """Faults of expressions that use a parameter nobody defines."""
-    known = definition.parameters
-    return [
-        unknown_name("parameter", name, known, path)
-        for path, expression in _expressions(definition)
-        for name in sorted(expression.names - known.keys())
-    ]
-
-
-def unused_parameters(definition: Definition) -> list[Fault]:
-    """Warnings about parameters that nothing uses; the model is complete without them."""
-    used = {name for _, expression in _expressions(definition) for name in expression.names}
-    faults = []
-    for name in definition.parameters:
+def undefined_or_unused_parameters(definition: Definition) -> list[Fault]:
+    """Faults of expressions with a parameter nobody defines, and warnings about parameters that nothing uses."""
+    known, used, faults = definition.parameters, set[str](), []
+    for path, expression in _expressions(definition):
+        used |= expression.names
+        faults += [unknown_name("parameter", name, known, path) for name in sorted(expression.names - known.keys())]
+    for name in known:
         if name not in used:
             text = phrase('parameter "{}" is not used', ModelName(name))
             faults.append(Fault(text, ("parameters", name), "warning", on_key=True, kind="unused-name", about=name))
@@ -99,17 +94,9 @@ def unknown_nodes(definition: Definition) -> list[Fault]:
     for index, port in enumerate(definition.ports):
         if port not in nodes:
             faults.append(_unknown_node(port, nodes, ("ports", index)))
-    points: list[tuple[EntryPath, OperatingPoint | None]] = [(("operating_point",), definition.operating_point)]
-    for axis, alternatives in definition.configurations.items():
-        points += [
-            (("configurations", axis, label, "operating_point"), overlay.operating_point)
-            for label, overlay in alternatives.items()
-        ]
-    for path, point in points:
-        named = [("speed", node, node) for node in (point.speed if point else ())]
-        named += [
-            ("torque", text, node) for text in (point.torque if point else ()) for node in torque_place(text).nodes
-        ]
+    for path, point in _operating_points(definition):
+        named = [("speed", node, node) for node in point.speed]
+        named += [("torque", text, node) for text in point.torque for node in torque_place(text).nodes]
         faults += [
             _unknown_node(node, nodes, (*path, table, key), on_key=True)
             for table, key, node in named
@@ -247,8 +234,8 @@ def dead_ends(definition: Definition) -> list[Fault]:
         node for element in definition.elements.values() if element.may_end_anywhere for node in element.ports.values()
     }
     used |= {GROUND, *definition.ports}
-    if point := definition.operating_point:
-        used |= {*point.speed, *point.loaded_nodes}
+    point = definition.operating_point
+    used |= {*point.speed, *(node for place in point.torque for node in torque_place(place).nodes)}
     faults: list[Fault] = []
     for node, names in touching.items():
         if len(names) == 1 and node not in used and len(definition.elements[names[0]].ports) > 1:
@@ -312,13 +299,12 @@ def unfit_overrides(definition: Definition) -> list[Fault]:
 
 
 CHECKS: dict[Callable[[Definition], list[Fault]], str] = {
-    undefined_parameters: "",
+    undefined_or_unused_parameters: "",
     unknown_nodes: "",
     unknown_elements: "sensors",
     unknown_followed: "following",
     unknown_in_configurations: "configurations",
     competing_axes: "configurations",
-    unused_parameters: "parameters",
     hidden_names: "",
     dead_ends: "",
     unfit_overrides: "has_overrides",

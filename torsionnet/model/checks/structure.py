@@ -264,15 +264,14 @@ def check_structure(definition: Definition, values: Mapping[str, Any]) -> list[F
         from torsionnet.model.checks.referred_sensors import unreachable_shafts
 
         faults += unreachable_shafts(definition, values)
+    operated = bool(definition.load or definition.operating_point.speed or definition.operating_point.torque)
     if has_motion_laws:
-        operated = bool(definition.load or definition.operating_point)
         faults += [] if operated else open_gaps(definition, values, slipping or kinematics)
         faults += stuck_friction(definition, values, slipping or kinematics, operated=operated)
         faults += sticking_loops(definition, values, slipping or kinematics)
     # An operating point is checked where there is one, a parameter follows it, or an element reads a curve there.
     rated = definition.speeds is not None and definition.speeds.rated and definition.excitations
-    operates = definition.load or definition.operating_point or definition.following or rated
-    if operates or any(element.reads_off for element in on):
+    if operated or definition.following or rated or any(element.reads_off for element in on):
         from torsionnet.model.checks.operation import unfit_operation
 
         sound = all(fault.severity != "error" for fault in faults)

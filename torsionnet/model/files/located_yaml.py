@@ -353,8 +353,14 @@ class _Composer:
             if kind is ScalarEvent:
                 value = plain_value(event.value) if event.implicit[0] else event.value
                 node = LocatedNode(value, _place(event, event), _NOTHING)
+            elif kind is SequenceStartEvent:
+                items: dict[str | int, LocatedNode] = {}
+                while type(inner := self.events.get_event()) is not SequenceEndEvent:
+                    items[len(items)] = self.node(inner, (*path, len(items)), depth + 1)
+                size = 1 + sum(item.size for item in items.values())
+                node = LocatedNode([item.value for item in items.values()], _place(event, inner), items, size)
             else:
-                node = (self.sequence if kind is SequenceStartEvent else self.mapping)(event, path, depth)
+                node = self.mapping(event, path, depth)
             if event.anchor:
                 self.anchors[event.anchor] = node
             self.count += 1  # what is in it was counted within
@@ -369,15 +375,6 @@ class _Composer:
             text = f'no anchor "&{event.anchor}" stands before this alias; text that begins with * needs quotes'
             raise self.refusal(Fault(text, kind="missing-quotes"), _span(event))
         return replace(self.anchors[event.anchor], place=_place(event, event), key_place=None)
-
-    def sequence(self, event: Any, path: EntryPath, depth: int) -> LocatedNode:
-        entries: dict[str | int, LocatedNode] = {}
-        size = 1
-        while type(inner := self.events.get_event()) is not SequenceEndEvent:
-            index = len(entries)
-            entry = entries[index] = self.node(inner, (*path, index), depth + 1)
-            size += entry.size
-        return LocatedNode([entry.value for entry in entries.values()], _place(event, inner), entries, size)
 
     def mapping(self, event: Any, path: EntryPath, depth: int) -> LocatedNode:
         entries: dict[str | int, LocatedNode] = {}
