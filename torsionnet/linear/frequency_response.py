@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.errors import UsageError, did_you_mean
-from torsionnet.base.notes import NoteOrText
 from torsionnet.base.packages import UNSAVED, SavedResult
 from torsionnet.base.registers import settle
 
@@ -20,6 +19,7 @@ if TYPE_CHECKING:
     import control
     import pandas
 
+    from torsionnet.base.notes import NoteOrText
     from torsionnet.base.table import Table
     from torsionnet.linear.between_samples import BetweenSamples
     from torsionnet.linear.estimation import Estimation
@@ -105,7 +105,10 @@ class FrequencyResponse(SavedResult):
     """
 
     picture: ClassVar[str] = "bode"
-    PARTS: ClassVar[Mapping[str, str]] = {"Estimation": "torsionnet.linear.estimation"}
+    PARTS: ClassVar[Mapping[str, str]] = {
+        "Estimation": "torsionnet.linear.estimation",
+        "NoteOrText": "torsionnet.base.notes",
+    }
 
     frequencies: FloatArray
     values: ComplexArray

@@ -17,7 +17,7 @@ from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table
 from torsionnet.base.units import RPM, expected_unit
 from torsionnet.model.channels import PORT_QUANTITIES, UNITS
-from torsionnet.model.checks.parameter_units import parameter_units
+from torsionnet.model.checks.values import parameter_units
 from torsionnet.model.damping import DampingMeasure
 from torsionnet.model.element_base.curves import Characteristic
 from torsionnet.model.element_base.element_entries import MultipleValues, NodeName, NodePair, ReferenceNode

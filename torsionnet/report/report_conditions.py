@@ -10,7 +10,7 @@ from torsionnet.base.expressions import Expression, Number
 from torsionnet.base.number_text import typeset_unit
 from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.units import RPM
-from torsionnet.model.checks.parameter_units import parameter_units
+from torsionnet.model.checks.values import parameter_units
 from torsionnet.model.condition_titles import ConditionTitles
 from torsionnet.model.damping import MEASURES, DampingMeasure
 from torsionnet.model.definition import EXCITATIONS, LOAD, section_of

@@ -17,7 +17,7 @@ from torsionnet.base.expressions import Expression, Number
 from torsionnet.base.units import NUMERAL, UnitError, parse_unit
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.changes import LOAD_SIZES, SPEED, TORQUE, is_point_setting, setting_name
-from torsionnet.model.checks.parameter_units import parameter_units
+from torsionnet.model.checks.values import parameter_units
 from torsionnet.model.definition import Definition, Tangents
 from torsionnet.model.kinematics import exact_row
 from torsionnet.model.law_network import LawNetwork, PlacedMotionLaw, keeps_own_point, law_network

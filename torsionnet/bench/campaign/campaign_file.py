@@ -21,8 +21,8 @@ from torsionnet.identification.plan.fit_entries import (
     ParameterTable,
 )
 from torsionnet.identification.residuals.measurement_blocks import welch_settings
+from torsionnet.model.channels import Pair
 from torsionnet.model.checks.names import pair_faults
-from torsionnet.model.response_pair import Pair
 from torsionnet.model.sections import section_class
 from torsionnet.signals.orders.tracking_entries import BANDWIDTH, ORDERS, OrderList
 from torsionnet.signals.orders.vold_kalman import VoldKalman

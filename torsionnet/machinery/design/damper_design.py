@@ -41,7 +41,7 @@ from torsionnet.machinery.design.minimax import Box, largest, smallest_maximum
 from torsionnet.machinery.orders.order_solution import orders_at_speeds
 from torsionnet.machinery.orders.refined_response import ExaminedSpeeds
 from torsionnet.model.channels import Sensor
-from torsionnet.model.checks.parameter_units import parameter_units
+from torsionnet.model.checks.values import parameter_units
 from torsionnet.model.configurations import known_elements
 from torsionnet.model.definition import Definition
 from torsionnet.model.element_base.element import OtherLaws

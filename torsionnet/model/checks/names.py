@@ -6,21 +6,21 @@ from collections.abc import Callable, Collection, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from torsionnet.base.errors import EntryPath, Fault, comma_list, nearest, question, unknown_name
+from torsionnet.base.errors import EntryPath, Fault, comma_list, nearest, question, unfit_word, unknown_name
 from torsionnet.base.expressions import Expression
 from torsionnet.base.packages import imported
 from torsionnet.base.phrases import ModelName, phrase
-from torsionnet.model.channels import Input, Sensor, channel_words, parse_pair, parse_sensor, port_fault
+from torsionnet.model.channels import Input, Pair, Sensor, channel_words, parse_pair, parse_sensor, port_fault
 from torsionnet.model.definition import (
     EXCITATIONS,
     SCENARIOS,
     Definition,
     all_nodes,
 )
+from torsionnet.model.element_base.element_entries import SIZE
 from torsionnet.model.elements import GROUND
 from torsionnet.model.operating_point import OperatingPoint, torque_place
-from torsionnet.model.response_pair import Pair
-from torsionnet.model.sections import OWNERS
+from torsionnet.model.sections import OWNERS, section_class
 
 if TYPE_CHECKING:
     pass
@@ -283,12 +283,26 @@ CHECKED_SECTIONS = (EXCITATIONS, "limits", SCENARIOS, "bench", "report")
 
 
 def unfit_catalogues(definition: Definition) -> list[Fault]:
-    """Notes on columns of catalogues that neither elements nor limits take."""
-    if all(element.catalogue is None for element in definition.elements.values()):
-        return []
-    import torsionnet.model.checks.catalogues as catalogues
+    """Notes on the catalogue columns of each element that neither it nor a limit takes."""
+    faults: list[Fault] = []
+    for name, element in definition.elements.items():
+        if element.catalogue is None:
+            continue
+        known = {entry for entry, _ in element.specs()}
+        columns = dict.fromkeys(cell.column.partition(".")[0] for cell in element.catalogue.cells)
+        others = [column for column in columns if column not in known and column.casefold() not in REMARKS]
+        limited = {entry for rule in section_class("limits").values() for entry, _ in rule.specs()} if others else set()
+        for column in others:
+            if column not in limited:
+                said = 'the column "{}" of {} fits no entry of a {} and no limit'
+                text = phrase(said, column, element.catalogue.file, element.kind)
+                place = ("elements", name, "catalogue")
+                faults.append(replace(unfit_word(text, column, [*known, *limited], place), severity="note"))
+    return faults
 
-    return catalogues.unfit_columns(definition)
+
+REMARKS = frozenset({SIZE, "description", "remark", "remarks", "note", "maker", "source"})
+"""Names of catalogue columns that are comments and fit no entry."""
 
 
 def unfit_overrides(definition: Definition) -> list[Fault]:

@@ -10,6 +10,7 @@ from torsionnet.base.errors import (
     Fault,
     UsageError,
     comma_list,
+    message_of,
     named_list,
     nearest,
     question,
@@ -261,8 +262,6 @@ def check_structure(definition: Definition, values: Mapping[str, Any]) -> list[F
     faults += idle_channels(definition, kinematics) if len(on) < len(definition.elements) else []
     faults += rigid_body_modes(definition, kinematics)
     if any(sensor.referred_to is not None for sensor in definition.sensors.values()):
-        from torsionnet.model.checks.referred_sensors import unreachable_shafts
-
         faults += unreachable_shafts(definition, values)
     operated = bool(definition.load or definition.operating_point.speed or definition.operating_point.torque)
     if has_motion_laws:
@@ -287,3 +286,23 @@ def _stuck_channels(stuck: Sequence[Fault], always: Sequence[Fault]) -> list[Fau
         fault if fault.path in paths else replace(fault, message=phrase(text, fault.message), severity="note", kind="")
         for fault in stuck
     ]
+
+
+def unreachable_shafts(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
+    """Faults of sensors whose readings cannot be referred to the shaft they name, as no gear ratio leads to it.
+
+    Those that are switched off are left out.
+    """
+    from torsionnet.model.readings import referring_factor  # few sensors are referred
+
+    elements, nodes = {element.name: element for element in definition.active}, all_nodes(definition.active)
+    faults = []
+    for name, sensor in definition.sensors.items():
+        is_on = sensor.of in elements if sensor.is_on_element else all(node in nodes for node in sensor.nodes)
+        if sensor.referred_to is not None and is_on:
+            try:
+                referring_factor(sensor, elements, Values(values))
+            except UsageError as error:
+                text = phrase("{}: {}", ModelName(name), message_of(error))
+                faults.append(Fault(text, ("sensors", name, "referred_to"), kind="no-ratio"))
+    return faults

@@ -1,6 +1,7 @@
 """Checks of the dimensions and sizes of values.
 
-Here as well: warnings about values of unlikely size, as millimetres without their unit or percent for a fraction.
+Here as well: warnings about values of unlikely size, as millimetres without their unit or percent for a fraction; units
+of parameters.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from typing import Any
 
 from torsionnet.base.entries.scalars import QuantityKind
 from torsionnet.base.errors import IN_UNIT, WRITE, EntryPath, Fault, Remedy, TorsionnetError, message_of
-from torsionnet.base.expressions import Compound, Expression, ExpressionError, Number, is_beyond_range
+from torsionnet.base.expressions import Compound, Expression, ExpressionError, Name, Number, is_beyond_range
 from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.base.units import DIMENSIONS, Dimension, expected_unit
 from torsionnet.model.damping import MEASURES, DampingMeasure, DampingQuantity, LossFactor
@@ -274,3 +275,23 @@ def _size(value: Expression, numbers: Numbers) -> float | None:
         return float(value.evaluate(numbers))
     except (ExpressionError, OverflowError):
         return None
+
+
+def parameter_units(definition: Definition) -> dict[str, str]:
+    """SI unit of every parameter by name, by its use (N*m or N*m/rad) or else by its dimension.
+
+    Empty for a plain number.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> parameter_units(tn.load("amt_rig").definition)["k_1"]
+    'N*m/rad'
+    """
+    found = dimensions(definition.parameters)[0]
+    units = {name: "" if dimension is None else str(dimension) for name, dimension in found.items()}
+    for element in definition.elements.values():
+        for _, _, expression, dimension in element.expressions():
+            if isinstance(expression, Name) and dimension:
+                units[expression.name] = expected_unit(dimension)
+    return {name: "" if unit == "1" else unit for name, unit in units.items()}

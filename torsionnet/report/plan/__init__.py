@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 from torsionnet.base.entries.scalars import parse_band
 from torsionnet.base.packages import imported
-from torsionnet.model.response_pair import Pair
+from torsionnet.model.channels import Pair
 from torsionnet.report.plan.report_plan import KINDS, LANGUAGES, SECTIONS, ReportPlan
 
 if TYPE_CHECKING:

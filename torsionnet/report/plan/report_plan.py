@@ -25,9 +25,8 @@ from torsionnet.base.entries.spec import (
 )
 from torsionnet.base.errors import Fault, unfit_word
 from torsionnet.base.packages import imported
-from torsionnet.model.channels import ChannelName
+from torsionnet.model.channels import PAIR, ChannelName, Pair
 from torsionnet.model.configurations import ConfigurationName
-from torsionnet.model.response_pair import PAIR, Pair
 
 if TYPE_CHECKING:
     from torsionnet.report.plan.title_block import TitleBlock

@@ -13,7 +13,7 @@ from torsionnet.base.number_text import aligned_numbers, typeset_unit
 from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM, expected_unit
 from torsionnet.model.channels import PORT_QUANTITIES, UNITS, Input
-from torsionnet.model.checks.parameter_units import parameter_units
+from torsionnet.model.checks.values import parameter_units
 from torsionnet.model.damping import MEASURES, DampingMeasure
 from torsionnet.model.element_base.curves import Characteristic, LookupCurve
 from torsionnet.model.element_base.element_entries import MultipleValues

@@ -18,7 +18,7 @@ from torsionnet.base.registers import TypeRegister
 from torsionnet.base.table import Table
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.linear.assembly.rows import FloatArray
-from torsionnet.model.checks.parameter_units import parameter_units
+from torsionnet.model.checks.values import parameter_units
 from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.quantity import QuantityForm, QuantityLimit, StudyQuantity, as_written
 from torsionnet.study.quantities.variant_block import VariantBlock

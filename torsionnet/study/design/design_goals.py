@@ -16,7 +16,7 @@ from torsionnet.base.errors import Fault, UsageError, did_you_mean
 from torsionnet.base.expressions import Number
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.machinery.design.damper_optimum import DesignParameter
-from torsionnet.model.checks.parameter_units import parameter_units
+from torsionnet.model.checks.values import parameter_units
 from torsionnet.model.model import Model
 from torsionnet.model.parameters import Parameter
 from torsionnet.study.answers.answer import AskedStudy

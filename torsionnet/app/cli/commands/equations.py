@@ -50,7 +50,7 @@ class EquationsCommand(ModelCommand):
 
     pairs: tuple[Any, ...] = option(
         "--tf",
-        type=EntryOption("OUTPUT/INPUT", "model.response_pair:PAIR"),
+        type=EntryOption("OUTPUT/INPUT", "model.channels:PAIR"),
         help='A transfer function, "theta_1/T_T". Repeatable.',
     )
     form: str | None = option("--form", type=click.Choice(FORMS), help="How it is written.  [default: mechanical]")

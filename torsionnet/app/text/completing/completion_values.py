@@ -45,7 +45,6 @@ from torsionnet.model.element_base.laws import GROUND
 from torsionnet.model.element_base.quantity_table import TableByName, TableByNode
 from torsionnet.model.files.library import library_models
 from torsionnet.model.parts.use import OneOrEach
-from torsionnet.model.response_pair import PairEntry
 from torsionnet.report.plan.report_plan import SectionName
 
 # Options for a key: the entries that may stand at a place, or the names that a table is by.
