@@ -84,8 +84,8 @@ class Elimination:
             factor = current.pop(pivot)
             if len(current) == 1:
                 # f x + c y = 0: two names in proportion.
-                ((other, coefficient),) = current.items()
-                self.proportions.join(pivot, ProportionLink(other, factor, coefficient, index))
+                ((partner, coefficient),) = current.items()
+                self.proportions.join(pivot, ProportionLink(partner, factor, coefficient, index))
             else:
                 # f x + sum c y = 0: x = sum -(c/f) y, or x = 0 where nothing else is left in the row.
                 group, row = self.proportions.group(pivot), {name: -value / factor for name, value in current.items()}
@@ -145,7 +145,7 @@ class Elimination:
             if name != anchor:
                 coefficient = self.proportions.to_root(name, self._to_anchor) * coefficient
                 derivation.pairs.append((name, anchor))
-            terms = [(other, share * coefficient) for other, share in solution.items()]
+            terms = [(free, share * coefficient) for free, share in solution.items()]
 
     def back_substitute(self) -> None:
         """Reduce the solution of every eliminated unknown to free names.
@@ -165,9 +165,10 @@ class Elimination:
                 index = -self._settled
                 self.derivation[index] = derivation
             if len(row) == 1:
-                ((other, coefficient),) = row.items()
+                # x = c y: the whole group is in proportion to the one free name of its solution.
+                ((partner, coefficient),) = row.items()
                 group.solution = None
-                self.proportions.join(anchor, ProportionLink(other, 1, -coefficient, index))
+                self.proportions.join(anchor, ProportionLink(partner, 1, -coefficient, index))
             else:
                 group.solution = ProportionSolution(anchor, row, index)
                 if row:
@@ -259,7 +260,7 @@ class Reduction:
         if group.solution is None:
             return self._closed(Derivation(pairs=[(name, group.lead)]))
         anchor, row, index = group.solution
-        ends = [(other, self._proportions.group(other).lead) for other in row]
+        ends = [(free, self._proportions.group(free).lead) for free in row]
         return self._closed(Derivation([index], [(name, anchor), *ends]))
 
     def origin_of_row(self, index: int) -> frozenset[int]:
@@ -337,7 +338,7 @@ def smallest_failing_rows(rows: Sequence[Mapping[Any, Any]], suspects: Collectio
     """Smallest set of ``suspects`` for which ``fails(rows of the set)`` is still true, by dropping row after row."""
     kept = sorted(suspects)
     for index in sorted(suspects):
-        without = [other for other in kept if other != index]
-        if fails([rows[other] for other in without]):
+        without = [place for place in kept if place != index]
+        if fails([rows[place] for place in without]):
             kept = without
     return kept

@@ -70,12 +70,12 @@ class ProportionalGroup:
 class ProportionLink(NamedTuple):
     """Link between two unknowns in proportion, in a tree of such links.
 
-    ``own`` * name + ``other`` * ``above`` = 0 by equation ``number``.
+    ``own`` * name + ``of_above`` * ``above`` = 0 by equation ``number``.
     """
 
     above: Hashable
     own: Any
-    other: Any
+    of_above: Any
     number: int
 
 
@@ -117,7 +117,7 @@ class Proportions:
         if lower.size > upper.size:
             # The smaller tree is turned and goes into the larger one: no name then moves more than log n times.
             upper, lower = lower, upper
-            name, link = link.above, ProportionLink(name, link.other, link.own, link.number)
+            name, link = link.above, ProportionLink(name, link.of_above, link.own, link.number)
         self.make_root(name)
         self._links[name] = link
         lower.joined = upper
@@ -130,9 +130,9 @@ class Proportions:
         if link is not None:
             self.group(name).known = None
         while link is not None:
-            above, own, other, number = link
+            above, own, of_above, number = link
             link = self._links.get(above)
-            self._links[above] = ProportionLink(name, other, own, number)
+            self._links[above] = ProportionLink(name, of_above, own, number)
             name = above
 
     def to_root(
@@ -150,7 +150,7 @@ class Proportions:
         ratio = known[name]
         # From the root down, each name by one product.
         for name, link in reversed(way):
-            ratio = known[name] = product(-link.other / link.own, ratio)
+            ratio = known[name] = product(-link.of_above / link.own, ratio)
         return ratio
 
     def ratio(self, first: Hashable, second: Hashable) -> Any:
@@ -165,8 +165,8 @@ class Proportions:
         if over is not None and under is not None:
             return over / under
         up, down = self._ways(first, second)
-        # own x + other y = 0 with y above x: x is -(other/own) y on the way up, and the inverse on the way down.
-        factors = [-link.other / link.own for link in up] + [-link.own / link.other for link in down]
+        # own x + of_above y = 0 with y above x: x is -(of_above/own) y on the way up, the inverse on the way down.
+        factors = [-link.of_above / link.own for link in up] + [-link.own / link.of_above for link in down]
         ratio = factors[0]
         for factor in factors[1:]:
             ratio = ratio * factor

@@ -99,19 +99,21 @@ def resolve(
     request = resolve_request(drivetrain, output, input, excitation)
     sensors, load = request.sensors, request.excitations[0].row
     seen = _mechanism(drivetrain, sensors, referred_to, memo)
-    reading, *measured = (parts_of(seen, sensor) for sensor in sensors)
-    channels = (request.outputs[0].channel, request.measured[0].channel)
+    # Sensors are that of the output, then those of the inputs, of which an excitation has none.
+    reading, *inputs_read = (parts_of(seen, sensor) for sensor in sensors)
+    channels = (request.outputs[0].channel, request.inputs[0].channel)
     notes = (*request.notes, *symbol_notes(drivetrain.definition))
     whole = SymbolicRequest(seen, reading, None, load, 1, channels, notes)
-    if not measured:
+    if not request.is_measured:
         return whole
-    if vanishes(seen.numerator(measured[0], load)):
+    (measured,) = inputs_read
+    if vanishes(seen.numerator(measured, load)):
         felt = f"{request.names} does not feel the {request.excitations[0]}"
         raise UsageError(
             f"{felt}: the transfer function against it does not exist; choose another excitation",
             kind="wrong-count",
         )
-    whole = replace(whole, measured=measured[0])
+    whole = replace(whole, measured=measured)
     kept = elements_beyond_cut(drivetrain, request)
     return whole if kept is None else _of_cut(drivetrain, kept, request, whole, referred_to)
 
@@ -368,7 +370,7 @@ def without_imposed_angles(
     if request.is_measured:
         return ImposedRequest(free, input, torque)
     measured = Sensor("angle", source.of, against=source.against)
-    return ImposedRequest(free, measured, torque, request.measured[0].channel)
+    return ImposedRequest(free, measured, torque, request.inputs[0].channel)
 
 
 def require_one_channel_each(output: object, input: object) -> None:

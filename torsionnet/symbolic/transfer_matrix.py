@@ -119,7 +119,7 @@ def measured_transfer_matrix(drivetrain: AssembledModel, request: TransferReques
     UsageError
         There are more than three measured inputs, or they depend on each other.
     """
-    if len(request.measured) > MOST_MEASURED:
+    if len(request.inputs) > MOST_MEASURED:
         raise UsageError(f"in symbols at most {MOST_MEASURED} inputs are measured at a time", kind="too-large")
     sensors = request.sensors
     program, mechanisms = Program(), dict[Input | None, Mechanism]()
@@ -160,7 +160,7 @@ def _by_cramer(
                     *program.reduced(_determinant(program, [*below[:i], row, *below[i + 1 :]]), whole),
                     request.notes,
                 )
-                for i, measured in enumerate(request.measured)
+                for i, measured in enumerate(request.inputs)
             )
             for output, row in zip(request.outputs, above, strict=True)
         )

@@ -103,7 +103,7 @@ def batched_responses(
     shape = (len(batch), len(frequencies))
     # One method for the whole batch, by the number of its points, whatever blocks it is solved in.
     method = chosen_method(request.reading_problem.problem, len(batch) * len(frequencies), method)
-    values = np.empty((*shape, len(request.outputs), len(request.measured)), dtype=complex)
+    values = np.empty((*shape, len(request.outputs), len(request.inputs)), dtype=complex)
     evaluated = Evaluated(values, np.empty(shape))
     evaluated.values[batch.impossible], evaluated.conditioning[batch.impossible] = complex(np.nan, np.nan), np.nan
     singly = [np.flatnonzero(batch.separate & ~batch.impossible)]
@@ -141,11 +141,11 @@ def _together(batch: Batch, request: TransferRequest, f: FloatArray, method: str
         evaluated = evaluate(SingleAssemblies(batch), request, f, method, batch.law_stiffness(2 * np.pi * f))
         scale_stresses(evaluated.values, batch, request)
         return evaluated
-    values = np.empty((*shape, len(request.outputs), len(request.measured)), dtype=complex)
+    values = np.empty((*shape, len(request.outputs), len(request.inputs)), dtype=complex)
     evaluated = Evaluated(values, np.ones(shape))
     if moving.any():
-        kappa = batch.law_stiffness(2 * np.pi * f[moving])
-        part = evaluate(SingleAssemblies(batch), request, f[moving], method, kappa)
+        laws = batch.law_stiffness(2 * np.pi * f[moving])
+        part = evaluate(SingleAssemblies(batch), request, f[moving], method, laws)
         evaluated.values[:, moving], evaluated.conditioning[:, moving] = part
     if not moving.all():
         evaluated.values[:, ~moving] = _static(batch, request, method)[:, None]
@@ -158,15 +158,15 @@ def _static(batch: Batch, request: TransferRequest, method: str) -> Any:
 
     See :func:`torsionnet.linear.responses.transfer.responses`.
     """
-    n_out, n_in = len(request.outputs), len(request.measured)
+    n_out, n_in = len(request.outputs), len(request.inputs)
     # With rigid motions D(0) = K is singular, and every variant takes the limit that a single drivetrain has.
     static = np.full((len(batch), n_out, n_in), np.inf + 0j)
     single = np.ones(len(batch), dtype=bool)
     if not rigid_motions(batch.drivetrain.assembly.kinematics):
         # K resists every motion: solved directly, and only doubtful variants singly.
-        kappa, evaluate = batch.law_stiffness(np.zeros(1)), evaluation(request, method)
-        static = evaluate(kappa, False)
-        single = uncertain_points(rounding_errors(evaluate, kappa, static), len(batch))
+        laws, evaluate = batch.law_stiffness(np.zeros(1)), evaluation(request, method)
+        static = evaluate(laws, False)
+        single = uncertain_points(rounding_errors(evaluate, laws, static), len(batch))
     for index in np.flatnonzero(single):
         static[index] = at_zero(batch.model(int(index)), request)
     return static
@@ -174,7 +174,7 @@ def _static(batch: Batch, request: TransferRequest, method: str) -> Any:
 
 def scale_stresses(values: Any, batch: Batch, request: TransferRequest) -> None:
     """Scale the stresses among ``values`` in place from the drivetrain's section moduli to those of the variants."""
-    for place, reading in enumerate((*request.outputs, *(request.measured if request.is_measured else ()))):
+    for place, reading in enumerate((*request.outputs, *(request.inputs if request.is_measured else ()))):
         sensor = reading.sensor
         if sensor is None or sensor.quantity != "stress" or sensor.of not in batch.moduli:
             continue
@@ -203,14 +203,14 @@ def responses_at_own_frequencies(
         Hz, above 0.
     method : str
     """
-    shape = (*frequencies.shape, len(request.outputs), len(request.measured))
+    shape = (*frequencies.shape, len(request.outputs), len(request.inputs))
     all_values = np.full(shape, complex(np.nan, np.nan))
     size = max(1, POINTS_AT_ONCE // max(1, frequencies.shape[1]))
     for start in range(0, len(batch.stacked), size):
         places = batch.stacked[start : start + size]
         part, own = batch.part(places), frequencies[places]
-        kappa = _law_stiffness(part, 2 * np.pi * own)
-        values = evaluate(SingleAssemblies(part), request, own, method, kappa).values
+        laws = _law_stiffness(part, 2 * np.pi * own)
+        values = evaluate(SingleAssemblies(part), request, own, method, laws).values
         scale_stresses(values, part, request)
         all_values[places] = values
     for index in np.flatnonzero(batch.separate & ~batch.impossible):
@@ -286,7 +286,7 @@ def frequency_responses(
         f,
         values,
         tuple(reading.channel for reading in request.outputs),
-        tuple(reading.channel for reading in request.measured),
+        tuple(reading.channel for reading in request.inputs),
         drivetrain.title,
         conditioning if request.is_measured else None,
         (*request.notes, *law_notes(drivetrain.definition), *range_notes(drivetrain.assembly, f)),

@@ -96,20 +96,20 @@ LEAST_SQUARE, MOST_SQUARE = 1e-290, 1e290
 only numpy's scaled division is safe. The compiled loop leaves NaN there."""
 
 
-def sweep(tape: Tape, kappa: LawStiffness) -> ComplexArray:
+def sweep(tape: Tape, laws: LawStiffness) -> ComplexArray:
     """Output values (n_values, n_points) of a tape by the compiled loop."""
-    values = np.zeros((tape.n_values, kappa.n_points), dtype=complex)
-    _sweep(tape.operations, *_numbers(kappa), *_own(tape, kappa), values)
+    values = np.zeros((tape.n_values, laws.n_points), dtype=complex)
+    _sweep(tape.operations, *_numbers(laws), *_own(tape, laws), values)
     return values
 
 
-def read(tape: Tape, slots: LawStiffness, table: ReadingTable, kappa: LawStiffness) -> tuple[ComplexArray, FloatArray]:
+def read(tape: Tape, slots: LawStiffness, table: ReadingTable, laws: LawStiffness) -> tuple[ComplexArray, FloatArray]:
     """Readings of sensors in SI units per excitation, or over the measured reading, at all frequency points.
 
     Parameters
     ----------
     tape : Tape
-    slots, kappa : LawStiffness
+    slots, laws : LawStiffness
         Of the slots of the plan, and of the laws that are read.
     table : ReadingTable
 
@@ -120,34 +120,34 @@ def read(tape: Tape, slots: LawStiffness, table: ReadingTable, kappa: LawStiffne
     """
     values = np.empty((slots.n_points, table.n_out, table.n_excitations), dtype=complex)
     conditioning = np.ones(slots.n_points)
-    own = _numbers(kappa)
+    own = _numbers(laws)
     _read(tape.operations, *_numbers(slots), *own[:-1], *_own(tape, slots), tape.n_values,
           table.n_excitations, table.is_measured, table.whole, table.factors, table.applied,
           values, conditioning)  # fmt: skip
     return values, conditioning
 
 
-def _own(tape: Tape, kappa: LawStiffness) -> tuple[FloatArray, FloatArray]:
+def _own(tape: Tape, laws: LawStiffness) -> tuple[FloatArray, FloatArray]:
     """Factors of a tape and its registers, in the precision of the laws."""
-    kind = kappa.stiffness.dtype
+    kind = laws.stiffness.dtype
     return tape.factors.astype(kind), np.empty((tape.n_registers, 2, POINTS_AT_ONCE), dtype=kind)
 
 
-def _numbers(kappa: LawStiffness) -> tuple[Any, ...]:
+def _numbers(laws: LawStiffness) -> tuple[Any, ...]:
     """Arrays for the compiled loop, which are J, c, k of laws in SI, sampled stiffnesses and omega in rad/s.
 
     J, c and k are (n_variants, n_laws); then come places of sampled laws (-1: none) and the samples.
 
     Omega has one row, or one for each variant.
     """
-    place = np.full(kappa.n_laws, -1)
-    place[[law for law, _ in kappa.sampled]] = np.arange(len(kappa.sampled))
-    shape = (len(kappa.stiffness), kappa.omega.shape[-1])
-    sampled = np.empty((len(kappa.sampled), *shape), dtype=np.result_type(kappa.stiffness.dtype, np.complex64))
-    for number, (_, values) in enumerate(kappa.sampled):
+    place = np.full(laws.n_laws, -1)
+    place[[law for law, _ in laws.sampled]] = np.arange(len(laws.sampled))
+    shape = (len(laws.stiffness), laws.omega.shape[-1])
+    sampled = np.empty((len(laws.sampled), *shape), dtype=np.result_type(laws.stiffness.dtype, np.complex64))
+    for number, (_, values) in enumerate(laws.sampled):
         sampled[number] = values
-    parts = (np.ascontiguousarray(part) for part in (kappa.inertia, kappa.damping, kappa.stiffness))
-    return *parts, place, sampled, np.ascontiguousarray(np.atleast_2d(kappa.omega))
+    parts = (np.ascontiguousarray(part) for part in (laws.inertia, laws.damping, laws.stiffness))
+    return *parts, place, sampled, np.ascontiguousarray(np.atleast_2d(laws.omega))
 
 
 def _walk(

@@ -15,9 +15,9 @@ BLOCK_BYTES = 32 * 2**20
 """Memory in bytes of the dynamic stiffness matrices solved at once, since larger blocks leave the processor's cache."""
 
 
-def respond(problem: ResponseProblem, kappa: LawStiffness) -> ComplexArray:
+def respond(problem: ResponseProblem, laws: LawStiffness) -> ComplexArray:
     """Motions (rad) and reactions (N m) per unit excitation, (n_read, n_exc, n_points), by dense matrices."""
-    by_law, n_points = kappa.by_law, kappa.n_points
+    by_law, n_points = laws.by_law, laws.n_points
     values = np.zeros((problem.n_read, len(problem.excitations), n_points), dtype=complex)
     block = max(1, BLOCK_BYTES // (16 * max(1, _columns(problem)) ** 2))
     with np.errstate(all="ignore"):

@@ -37,7 +37,7 @@ class ManyDigits:
         self.request: TransferRequest = request
         self.laws: tuple[Law, ...] = assembly.laws
         self.actions: tuple[ActionLaw, ...] = assembly.system.actions
-        measured = request.measured if request.is_measured else ()
+        measured = request.inputs if request.is_measured else ()
         self.reading_problem = make_reading_problem(
             assembly, request.outputs, measured, request.excitations, in_many_digits, _accuracy()
         )

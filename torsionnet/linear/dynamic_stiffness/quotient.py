@@ -52,17 +52,17 @@ class ClosedLoops(NamedTuple):
     torques: ComplexArray
 
 
-def close_loops(reading_problem: ReadingProblem, kappa: LawStiffness, values: ComplexArray) -> ClosedLoops:
+def close_loops(reading_problem: ReadingProblem, laws: LawStiffness, values: ComplexArray) -> ClosedLoops:
     """Readings per unit excitation with controllers at work, from ``values`` calculated without their torques.
 
     These ``values`` are responses to the excitations, then to a unit torque of each action.
     """
     n_exc, n_act = reading_problem.n_excitations, len(reading_problem.sensed)
-    if len(kappa.actions) != n_act:
+    if len(laws.actions) != n_act:
         raise SolveError(
             "this calculation does not include the torques of controllers; switch them off", kind="unsupported-law"
         )
-    gains = np.array([values_.ravel() for values_ in kappa.actions])
+    gains = np.array([values_.ravel() for values_ in laws.actions])
     # kappa Y_u and kappa Y_T of the motions that actions sense
     with np.errstate(all="ignore"):
         sensed = gains[:, None, :] * values[list(reading_problem.sensed)]
@@ -111,19 +111,19 @@ def compiled_works() -> bool:
     return False
 
 
-def respond(problem: ResponseProblem, kappa: LawStiffness) -> ComplexArray:
-    """Motions (rad) and reactions (N m) per unit excitation, (n_read, n_exc, n_points), from ``kappa`` of all laws.
+def respond(problem: ResponseProblem, laws: LawStiffness) -> ComplexArray:
+    """Motions (rad) and reactions (N m) per unit excitation, (n_read, n_exc, n_points), from all ``laws``.
 
     Large problems take the compiled loop where it works. Only their size decides, so that a result does not depend on
     what was calculated before.
     """
-    if chosen_method(problem, kappa.n_points, "auto") == "compiled":
+    if chosen_method(problem, laws.n_points, "auto") == "compiled":
         with contextlib.suppress(Exception):
-            return respond_compiled(problem, kappa)
-    return eliminate(problem, kappa)
+            return respond_compiled(problem, laws)
+    return eliminate(problem, laws)
 
 
-def respond_compiled(problem: ResponseProblem, kappa: LawStiffness) -> ComplexArray:
+def respond_compiled(problem: ResponseProblem, laws: LawStiffness) -> ComplexArray:
     """Motions (rad) and reactions (N m) per unit excitation by the compiled loop, (n_read, n_exc, n_points).
 
     Raises
@@ -133,16 +133,16 @@ def respond_compiled(problem: ResponseProblem, kappa: LawStiffness) -> ComplexAr
     """
     import torsionnet.linear.dynamic_stiffness.compiled as compiled
 
-    return eliminate(problem, kappa, compiled.sweep)
+    return eliminate(problem, laws, compiled.sweep)
 
 
 Respond: TypeAlias = Callable[[ResponseProblem, LawStiffness], ComplexArray]
 
 
-def _respond_densely(problem: ResponseProblem, kappa: LawStiffness) -> ComplexArray:
+def _respond_densely(problem: ResponseProblem, laws: LawStiffness) -> ComplexArray:
     from torsionnet.linear.dynamic_stiffness.dense import respond
 
-    return respond(problem, kappa)
+    return respond(problem, laws)
 
 
 METHODS: dict[str, Respond] = {
@@ -162,33 +162,33 @@ class FrequencyPoints:
 
 
 def transfer_functions(
-    request: TransferRequest, kappa: LawStiffness, method: str = "auto", *, other_order: bool = False
+    request: TransferRequest, laws: LawStiffness, method: str = "auto", *, other_order: bool = False
 ) -> FrequencyPoints:
-    """Transfer functions (n_points, n_out, n_in) of a request at all frequency points of the stiffness ``kappa``.
+    """Transfer functions (n_points, n_out, n_in) of a request at all frequency points of the ``laws``.
 
     With ``other_order`` another order of elimination is used.
     """
     reading_problem, n_out = request.reading_problem, len(request.outputs)
     if other_order:
         reading_problem = reading_problem.in_other_order
-    method = chosen_method(reading_problem.problem, kappa.n_points, method)
-    if method == "compiled" and (whole := _compiled(request, reading_problem, kappa)) is not None:
+    method = chosen_method(reading_problem.problem, laws.n_points, method)
+    if method == "compiled" and (whole := _compiled(request, reading_problem, laws)) is not None:
         points = np.flatnonzero(~np.isfinite(whole.values).all(axis=(1, 2)))
         if len(points):  # beyond its range, or infinite
-            again = transfer_functions(request, kappa.at(points), "graph", other_order=other_order)
+            again = transfer_functions(request, laws.at(points), "graph", other_order=other_order)
             whole.values[points], whole.conditioning[points] = again.values, again.conditioning
         return whole
-    loops = ClosedLoops(METHODS[method](reading_problem.problem, kappa), np.empty(0, dtype=complex))
+    loops = ClosedLoops(METHODS[method](reading_problem.problem, laws), np.empty(0, dtype=complex))
     if reading_problem.sensed:
-        loops = close_loops(reading_problem, kappa, loops.values)
+        loops = close_loops(reading_problem, laws, loops.values)
     # Readings y = L(s) q + direct u of all outputs, then measured inputs, per unit excitation.
-    readings = np.empty((kappa.n_points, len(reading_problem.parts), loops.values.shape[1]), dtype=complex)
+    readings = np.empty((laws.n_points, len(reading_problem.parts), loops.values.shape[1]), dtype=complex)
     with np.errstate(invalid="ignore"):
         for number, part in enumerate(reading_problem.parts):
-            readings[:, number] = part.of(kappa, loops.values).T
+            readings[:, number] = part.of(laws, loops.values).T
             for action, factor in reading_problem.driven[number].items():
                 readings[:, number] += float(factor) * loops.torques[action].T
-    values, conditioning = readings[:, :n_out], np.ones(kappa.n_points)
+    values, conditioning = readings[:, :n_out], np.ones(laws.n_points)
     if request.is_measured:
         # Y_out Y_in^-1, equations (8)-(13) of Galvagno et al. (2015). Both readings have det D as denominator, which
         # cancels: the poles are the zeros of the measured input (natural_modes.poles_against_measured).
@@ -198,17 +198,17 @@ def transfer_functions(
         sizes = np.zeros(measured.shape)
         with np.errstate(all="ignore"):
             for number in range(measured.shape[1]):
-                terms = (np.abs(part.of(kappa, loops.values)).T for part in reading_problem.terms[n_out + number])
+                terms = (np.abs(part.of(laws, loops.values)).T for part in reading_problem.terms[n_out + number])
                 sizes[:, number] = sum(terms, start=np.abs(reading_problem.applied[n_out + number]))
             shares = np.divide(np.abs(measured), sizes, out=np.zeros(sizes.shape), where=sizes > 0)
         conditioning = shares.max(axis=2).min(axis=1) * apart
     return FrequencyPoints(values, conditioning)
 
 
-def rounding_errors(evaluate: Evaluate, kappa: LawStiffness, values: ComplexArray) -> FloatArray:
+def rounding_errors(evaluate: Evaluate, laws: LawStiffness, values: ComplexArray) -> FloatArray:
     """Relative errors of ``values`` (n_points, ...) by rounding, as ``evaluate`` made them; inf where unknown."""
     with np.errstate(all="ignore"):
-        again = evaluate(kappa.in_single_precision(), False)
+        again = evaluate(laws.in_single_precision(), False)
         errors = SINGLE_SHARE * np.abs(again - values) / np.maximum(np.abs(values), NOTHING)
     # Beyond the range of single precision its result says nothing.
     beyond = (np.abs(again) < LEAST_SINGLE) & (errors > CERTAIN)
@@ -225,15 +225,15 @@ def uncertain_points(errors: FloatArray, n_variants: int) -> NDArray[np.bool_]:
     return np.asarray(beside.ravel())
 
 
-def _compiled(request: TransferRequest, reading_problem: ReadingProblem, kappa: LawStiffness) -> FrequencyPoints | None:
+def _compiled(request: TransferRequest, reading_problem: ReadingProblem, laws: LawStiffness) -> FrequencyPoints | None:
     """Transfer functions (n_points, n_out, n_in) by one compiled loop, or None for requests it cannot handle."""
     import torsionnet.linear.dynamic_stiffness.compiled as compiled
     from torsionnet.linear.dynamic_stiffness.compiled import reading_table
 
     parts, n_out = reading_problem.problem.parts, len(request.outputs)
     tables = [reading_table(reading_problem, n_out, len(excitations)) for excitations, _ in parts]
-    values = np.empty((kappa.n_points, n_out, reading_problem.n_excitations), dtype=complex)
-    conditioning = np.ones(kappa.n_points)
+    values = np.empty((laws.n_points, n_out, reading_problem.n_excitations), dtype=complex)
+    conditioning = np.ones(laws.n_points)
     for (excitations, part), table in zip(parts, tables, strict=True):
         if table is None:
             return None

@@ -30,13 +30,13 @@ class ReadingPart(NamedTuple):
     term: Term | None
     factor: Fraction = Fraction(1)
 
-    def of(self, kappa: LawStiffness, values: ComplexArray) -> ComplexArray:
+    def of(self, laws: LawStiffness, values: ComplexArray) -> ComplexArray:
         """Contribution of this summand to the reading, in its unit per unit excitation, shape (n_exc, n_points)."""
         if self.term is None:
             return np.asarray(float(self.factor) * values[self.solved])
         # Factor on the angle of the term: s^power, or the dynamic stiffness of its law.
         law = self.term.law
-        gain = kappa.s**self.term.power if law is None else kappa.of(law)
+        gain = laws.s**self.term.power if law is None else laws.of(law)
         return np.asarray(float(self.term.factor) * gain * values[self.solved])
 
 

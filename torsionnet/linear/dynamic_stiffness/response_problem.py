@@ -354,14 +354,14 @@ class ResponseProblem:
 Walk: TypeAlias = Callable[[Tape, LawStiffness], Array]
 
 
-def eliminate(problem: ResponseProblem, kappa: LawStiffness, walk: Walk = sweep) -> ComplexArray:
+def eliminate(problem: ResponseProblem, laws: LawStiffness, walk: Walk = sweep) -> ComplexArray:
     """Motions (rad) and reactions (N m) per unit excitation, (n_read, n_exc, n_points), by tapes run in numpy.
 
     Another ``walk`` runs them in another way.
     """
-    values = np.zeros((problem.n_read, len(problem.excitations), kappa.n_points), dtype=complex)
+    values = np.zeros((problem.n_read, len(problem.excitations), laws.n_points), dtype=complex)
     with np.errstate(all="ignore"):
         for excitations, part in problem.parts:
-            solved = walk(part.tape, kappa.law_sums(len(part.plan.sources), part.plan.law_terms))
-            values[:, excitations] = solved.reshape(problem.n_read, len(excitations), kappa.n_points)
+            solved = walk(part.tape, laws.law_sums(len(part.plan.sources), part.plan.law_terms))
+            values[:, excitations] = solved.reshape(problem.n_read, len(excitations), laws.n_points)
     return values

@@ -112,7 +112,7 @@ def to_control(
         system.B,
         system.C,
         system.D,
-        inputs=[reading.name for reading in request.measured],
+        inputs=[reading.name for reading in request.inputs],
         outputs=[reading.name for reading in request.outputs],
         states=[name.replace(".", "_") for name in system.states],
         name=drivetrain.title.replace(".", "_"),  # python-control keeps dots for the signals of a system
@@ -146,7 +146,7 @@ def requested_state_space(
     )
 
     # H = Y_out Y_in^-1, equation (5.1): both readings of the same states, divided.
-    measured = output_matrices(drivetrain.assembly, request.measured, request.excitations, form)
+    measured = output_matrices(drivetrain.assembly, request.inputs, request.excitations, form)
     names = [reading.name for reading in request.outputs]
     system = against_measured(
         LinearSystem(form.A, form.B, C, D), LinearSystem(form.A, form.B, *measured), request.names, names

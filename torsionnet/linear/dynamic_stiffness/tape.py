@@ -155,14 +155,14 @@ FEWEST_POINTS, MOST_POINTS = 1024, 16384
 arithmetic and more leave the cache."""
 
 
-def sweep(tape: Tape, kappa: LawStiffness) -> Array:
-    """Output values (n_values, n_points) of a tape by numpy, from the stiffness ``kappa`` of the slots of its plan."""
+def sweep(tape: Tape, laws: LawStiffness) -> Array:
+    """Output values (n_values, n_points) of a tape by numpy, from the stiffness of the slots of its plan."""
     # Without damping in any law all dynamic stiffnesses are real.
-    is_damped = kappa.damping.any() or any(values.imag.any() for _, values in kappa.sampled)
-    kind = np.result_type(kappa.stiffness.dtype, np.complex64 if is_damped else np.float32)
-    values, start = np.zeros((tape.n_values, kappa.n_points), dtype=kind), 0
+    is_damped = laws.damping.any() or any(values.imag.any() for _, values in laws.sampled)
+    kind = np.result_type(laws.stiffness.dtype, np.complex64 if is_damped else np.float32)
+    values, start = np.zeros((tape.n_values, laws.n_points), dtype=kind), 0
     in_cache = BLOCK_BYTES // (kind.itemsize * (tape.n_registers + 1))
-    for part in kappa.blocks(min(MOST_POINTS, max(FEWEST_POINTS, in_cache))):
+    for part in laws.blocks(min(MOST_POINTS, max(FEWEST_POINTS, in_cache))):
         n_points = part.n_points
         registers, outputs = np.empty((tape.n_registers + 1, n_points), dtype=kind), values[:, start : start + n_points]
         start += n_points

@@ -24,12 +24,12 @@ NO_CHANNELS_MESSAGE = "name at least one output and one input"
 class TransferRequest:
     """Outputs and inputs of transfer functions, where inputs are measured ones or the excitations themselves.
 
-    Without measured inputs ``measured`` stands for the excitations, with their names and units. ``assembly`` is one in
+    Where none is measured, ``inputs`` are the excitations, with their names and units. ``assembly`` is one in
     which the names were looked up; others with the same rows may be asked the same.
     """
 
     outputs: tuple[Functional, ...]
-    measured: tuple[Functional, ...]
+    inputs: tuple[Functional, ...]
     excitations: tuple[Input, ...]
     is_measured: bool
     assembly: Assembly
@@ -38,7 +38,7 @@ class TransferRequest:
     @property
     def names(self) -> str:
         """Names of the measured inputs of the request, joined by "and"."""
-        return " and ".join(reading.name for reading in self.measured)
+        return " and ".join(reading.name for reading in self.inputs)
 
     @property
     def sensors(self) -> tuple[Sensor, ...]:
@@ -49,7 +49,7 @@ class TransferRequest:
     def reading_problem(self) -> ReadingProblem:
         """Equations of the request's outputs and measured inputs, with the map from their solution to each reading."""
         return make_reading_problem(
-            self.assembly, self.outputs, self.measured if self.is_measured else (), self.excitations
+            self.assembly, self.outputs, self.inputs if self.is_measured else (), self.excitations
         )
 
     def with_reached_inputs(self) -> TransferRequest:
@@ -63,10 +63,9 @@ class TransferRequest:
         if not self.is_measured:
             return self
         felt = [
-            self.reading_problem.excitations_reaching(len(self.outputs) + number)
-            for number in range(len(self.measured))
+            self.reading_problem.excitations_reaching(len(self.outputs) + number) for number in range(len(self.inputs))
         ]
-        for reading, reached in zip(self.measured, felt, strict=True):
+        for reading, reached in zip(self.inputs, felt, strict=True):
             if not reached:
                 driven = " and ".join(map(str, self.excitations))
                 raise UsageError(
@@ -84,7 +83,7 @@ class TransferRequest:
     def dependent_inputs_error(self) -> UsageError:
         """Error to raise for measured inputs that depend on each other under the excitations at all frequencies."""
         names, driven = self.names, " and ".join(str(excitation) for excitation in self.excitations)
-        if len(self.measured) == 1:
+        if len(self.inputs) == 1:
             return UsageError(
                 f"{names} stays zero under a {driven} at every frequency; it cannot be a measured input",
                 kind="zero-reading",

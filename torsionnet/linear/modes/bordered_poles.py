@@ -84,7 +84,7 @@ class Bordered:
                 if name in index:  # the rest of the torque acts on imposed angles, which stand still
                     _add(powers[0][index[name]], n + column, -value)
         # L(s) q + d u: readings by powers of s, and what excitations add to them at once.
-        for line, reading in enumerate(request.measured, start=n):
+        for line, reading in enumerate(request.inputs, start=n):
             for term in reading.terms:
                 ours = {index[name]: value for name, value in term.exact.items() if name in index}
                 for power, share in enumerate(powers_of_s(assembly, term)):
@@ -208,7 +208,7 @@ def measured_poles(drivetrain: AssembledModel, request: TransferRequest) -> tupl
             "frequency-dependent stiffness and with torques as excitation",
             kind="unsupported-law",
         )
-    names = ", ".join(reading.name for reading in request.measured)
+    names = ", ".join(reading.name for reading in request.inputs)
     bordered = Bordered.of(assembly, request)
     counts = bordered.roots()
     if counts is None:

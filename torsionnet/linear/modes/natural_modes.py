@@ -86,8 +86,8 @@ def elements_beyond_cut(drivetrain: AssembledModel, request: TransferRequest) ->
     sides. The torque at a port flows between the element and its node there; elements join their other nodes, as does
     an imposed relative motion; ground does not.
     """
-    sensor = request.measured[0].sensor
-    if sensor is None or sensor.quantity != "torque" or len(request.measured) > 1:
+    sensor = request.inputs[0].sensor
+    if sensor is None or sensor.quantity != "torque" or len(request.inputs) > 1:
         return None
     from torsionnet.model.readings import port_of
 

@@ -56,7 +56,7 @@ def refine_uncertain_points(
     assemblies: Sequence[Assembly],
     request: TransferRequest,
     frequencies: FloatArray,
-    kappa: LawStiffness,
+    laws: LawStiffness,
     calculated: FrequencyPoints,
     method: str = "auto",
 ) -> FrequencyPoints:
@@ -69,7 +69,7 @@ def refine_uncertain_points(
     request : TransferRequest
     frequencies : (n_f,) or (n_variants, n_f) array
         Hz.
-    kappa : LawStiffness
+    laws : LawStiffness
         Of all points.
     calculated : FrequencyPoints
     method : str
@@ -81,15 +81,15 @@ def refine_uncertain_points(
         The measured inputs depend on each other at every frequency.
     """
     again = evaluation(request, method)
-    rounding = rounding_errors(again, kappa, calculated.values)
-    points = np.flatnonzero(uncertain_points(rounding, len(kappa.stiffness)))
+    rounding = rounding_errors(again, laws, calculated.values)
+    points = np.flatnonzero(uncertain_points(rounding, len(laws.stiffness)))
     if not len(points):
         return calculated
-    errors = expected_errors(again, kappa.at(points), calculated.values[points], rounding[points])
+    errors = expected_errors(again, laws.at(points), calculated.values[points], rounding[points])
     # The worst first, as many as time allows.
     worst = errors.max(axis=(1, 2), initial=0.0)
     order = [place for place in np.argsort(-worst, kind="stable").tolist() if worst[place] > ACCEPTED_ERROR]
-    most = max(1, MOST_WORK // max(1, kappa.n_laws))
+    most = max(1, MOST_WORK // max(1, laws.n_laws))
     values = calculated.values.copy()
     exact = _ManyPoints(assemblies, request, frequencies)
     uncertain = [(points[place], worst[place]) for place in order[most:]]
@@ -109,7 +109,7 @@ def evaluation(request: TransferRequest, method: str) -> Evaluate:
     return lambda laws, other_order: transfer_functions(request, laws, method, other_order=other_order).values
 
 
-def expected_errors(evaluate: Evaluate, kappa: LawStiffness, values: ComplexArray, rounding: FloatArray) -> FloatArray:
+def expected_errors(evaluate: Evaluate, laws: LawStiffness, values: ComplexArray, rounding: FloatArray) -> FloatArray:
     """Relative errors of ``values`` (n_points, ...), from solutions with stiffnesses changed by roundings.
 
     All stiffnesses are moved by a few roundings, with signs by chance. That shows how a value depends on them. Every
@@ -127,8 +127,8 @@ def expected_errors(evaluate: Evaluate, kappa: LawStiffness, values: ComplexArra
         if not len(unsure):
             break
         # Equation (3.6): each stiffness moved by some roundings, up or down by chance.
-        moves = PERTURBATION * random.uniform(0.5, 1, kappa.n_laws) * random.choice([-1.0, 1.0], kappa.n_laws)
-        again = evaluate(kappa.at(unsure).scaled(1 + moves), draw % 2 > 0)
+        moves = PERTURBATION * random.uniform(0.5, 1, laws.n_laws) * random.choice([-1.0, 1.0], laws.n_laws)
+        again = evaluate(laws.at(unsure).scaled(1 + moves), draw % 2 > 0)
         with np.errstate(all="ignore"):
             change = np.abs(again - values[unsure]) / np.maximum(np.abs(values[unsure]), NOTHING)
         change[np.isnan(change)] = np.inf
@@ -247,7 +247,7 @@ def frequency_response(
         frequencies=f,
         values=values[0],
         outputs=tuple(reading.channel for reading in request.outputs),
-        inputs=tuple(reading.channel for reading in request.measured),
+        inputs=tuple(reading.channel for reading in request.inputs),
         title=drivetrain.title,
         conditioning=conditioning[0] if request.is_measured else None,
         notes=notes,
@@ -293,9 +293,7 @@ def responses(drivetrains: Sequence[AssembledModel], request: TransferRequest, f
     if moving.all():
         return evaluate(assemblies, request, f, method)
     shape = (len(drivetrains), len(f))
-    evaluated = Evaluated(
-        np.empty((*shape, len(request.outputs), len(request.measured)), dtype=complex), np.ones(shape)
-    )
+    evaluated = Evaluated(np.empty((*shape, len(request.outputs), len(request.inputs)), dtype=complex), np.ones(shape))
     # At 0 Hz a response is a limit, and found for itself.
     if moving.any():
         evaluated.values[:, moving], evaluated.conditioning[:, moving] = evaluate(
@@ -309,9 +307,9 @@ def responses(drivetrains: Sequence[AssembledModel], request: TransferRequest, f
 def _static(drivetrain: AssembledModel, request: TransferRequest, method: str) -> ComplexArray:
     """Transfer functions (n_out, n_in) in SI units at 0 Hz, static if finite and certain, else as a limit."""
     if not rigid_motions(drivetrain.assembly.kinematics):
-        kappa, again = law_stiffness([drivetrain.assembly.system], np.zeros(1)), evaluation(request, method)
-        values = again(kappa, False)
-        if not uncertain_points(rounding_errors(again, kappa, values), 1).any():
+        laws, again = law_stiffness([drivetrain.assembly.system], np.zeros(1)), evaluation(request, method)
+        values = again(laws, False)
+        if not uncertain_points(rounding_errors(again, laws, values), 1).any():
             return np.asarray(values[0])
     from torsionnet.linear.responses.zero import at_zero
 
@@ -323,7 +321,7 @@ def _resolving(drivetrain: AssembledModel, wanted: Adaptive, request: TransferRe
     from torsionnet.linear.modes.natural_modes import modes_against
 
     modes = [modes_against(drivetrain, None)]
-    if request.is_measured and len(request.measured) == 1:
+    if request.is_measured and len(request.inputs) == 1:
         modes.append(modes_against(drivetrain, request))
     return wanted.frequencies(*modes)
 
@@ -333,7 +331,7 @@ def evaluate(
     request: TransferRequest,
     frequencies: FloatArray,
     method: str = "auto",
-    kappa: LawStiffness | None = None,
+    laws: LawStiffness | None = None,
 ) -> Evaluated:
     """Transfer functions (n_variants, n_f, n_out, n_in) in SI units at frequencies > 0, with conditioning.
 
@@ -345,18 +343,18 @@ def evaluate(
     frequencies : (n_f,) or (n_variants, n_f) array
         Hz.
     method : str
-    kappa : LawStiffness, optional
+    laws : LawStiffness, optional
         Dynamic stiffnesses of the laws where they are known; assemblies then only serve uncertain points.
     """
-    if kappa is None:
-        kappa = law_stiffness([assembly.system for assembly in assemblies], 2 * np.pi * frequencies)
-    calculated = transfer_functions(request, kappa, method)
+    if laws is None:
+        laws = law_stiffness([assembly.system for assembly in assemblies], 2 * np.pi * frequencies)
+    calculated = transfer_functions(request, laws, method)
     if method != "dense":
-        calculated = refine_uncertain_points(assemblies, request, frequencies, kappa, calculated, method)
+        calculated = refine_uncertain_points(assemblies, request, frequencies, laws, calculated, method)
     shape = (len(assemblies), frequencies.shape[-1])
     poor = np.flatnonzero(calculated.conditioning < VANISHING_INPUT_RATIO)
     if request.is_measured and len(poor):
-        names = ", ".join(reading.name for reading in request.measured)
+        names = ", ".join(reading.name for reading in request.inputs)
         first = np.broadcast_to(frequencies, shape).ravel()[poor[0]]
         text = f"{names}: the measured input all but vanishes at {len(poor)} frequencies, the first {first:.6g} Hz"
         warn_user(text)

@@ -45,7 +45,7 @@ def at_zero(drivetrain: AssembledModel, request: TransferRequest) -> ComplexArra
         # Another s, off the axis, tells whether the inputs depend on each other at every one.
         if asked.transfer(rate * mpmath.mpc(1, 1)) is None:
             raise request.dependent_inputs_error()
-    return np.full((len(request.outputs), len(request.measured)), complex(np.inf))
+    return np.full((len(request.outputs), len(request.inputs)), complex(np.inf))
 
 
 def _limit(first: Any, second: Any) -> complex:

@@ -69,7 +69,7 @@ class ParametricResponse:
     @property
     def unit(self) -> str:
         """SI unit of the first output over the first input of the transfer functions, 1 for a ratio of like signals."""
-        output, into = self.request.outputs[0].unit, self.request.measured[0].unit
+        output, into = self.request.outputs[0].unit, self.request.inputs[0].unit
         return "1" if output == into else f"{output}/({into})" if "*" in into else f"{output}/{into}"
 
     @property
@@ -99,8 +99,8 @@ class ParametricResponse:
                 f"the drivetrain cannot be calculated at {self._given(numbers)}: {error}", kind="no-solution"
             ) from None
         derivatives, omega = self._problem(whole, numbers), 2 * np.pi * self.frequencies
-        kappa = law_stiffness_of(whole, omega)
-        solved = respond(derivatives.problem, kappa)
+        laws = law_stiffness_of(whole, omega)
+        solved = respond(derivatives.problem, laws)
         # The motions under the readings as loads are among those solved: dy = -z^T dK x for all parameters at once.
         y = derivatives.values(solved, kappa.s)
         dy = derivatives.slopes(solved, whole, kappa.by_law, kappa.s, omega)
@@ -152,7 +152,7 @@ class ParametricResponse:
         return ", ".join(f"{name} = {x:.6g}" for name, x in zip(self.names, numbers, strict=True))
 
     def _settle(
-        self, derivatives: DerivativeProblem, kappa: LawStiffness, values: ComplexArray, numbers: Sequence[float]
+        self, derivatives: DerivativeProblem, laws: LawStiffness, values: ComplexArray, numbers: Sequence[float]
     ) -> None:
         """Replace transfer functions (n_f, n_out, n_in) in which rounding shows by those of the drivetrain itself."""
 
@@ -161,9 +161,9 @@ class ParametricResponse:
             y = derivatives.values(respond(problem, some), some.s)
             return self._quotient(*self._stressed(y, np.zeros((*y.shape, len(numbers)), dtype=complex), numbers)).values
 
-        rounding = rounding_errors(evaluate, kappa, values)
+        rounding = rounding_errors(evaluate, laws, values)
         points = np.flatnonzero(uncertain_points(rounding, 1))
-        errors = expected_errors(evaluate, kappa.at(points), values[points], rounding[points])
+        errors = expected_errors(evaluate, laws.at(points), values[points], rounding[points])
         poor = points[(errors > ACCEPTED_ERROR).any(axis=(1, 2))]
         if len(poor):
             # Rounding would show: the drivetrain is assembled at these values and solved by itself.

@@ -185,7 +185,7 @@ def levels_of(
             f"a band goes from a frequency above 0 to a higher one, got {low:g} to {high:g} Hz", kind="unordered-rows"
         )
     response = parametric_response(drivetrain, output, input, [low, high], list(varied.names))
-    if len(response.request.outputs) * len(response.request.measured) != 1:
+    if len(response.request.outputs) * len(response.request.inputs) != 1:
         raise UsageError("one response is made small: name one output and one input", kind="missing-entry")
     return ReceptanceLevels(response, (low, high))
 

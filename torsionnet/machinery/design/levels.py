@@ -102,7 +102,7 @@ class ReceptanceLevels:
     @property
     def channel(self) -> Channel:
         output = self.response.request.outputs[0].channel
-        measured = self.response.request.measured[0].channel
+        measured = self.response.request.inputs[0].channel
         return Channel(f"{output.name}/{measured.name}", f"{output.unit}/({measured.unit})")
 
     def grid(self, values: FloatArray) -> FloatArray:
