@@ -16,7 +16,7 @@ import torsionnet.linear.dynamic_stiffness.tape as ops
 from torsionnet.base.errors import MissingExtraError
 from torsionnet.linear.assembly.law_stiffness import LawStiffness
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
-from torsionnet.linear.dynamic_stiffness.reading_problem import ReadingPart, ReadingProblem
+from torsionnet.linear.dynamic_stiffness.reading_problem import ReadingProblem, SolvedTerm
 from torsionnet.linear.dynamic_stiffness.tape import Tape
 
 # Integer and float arrays that say how every reading is formed, as the compiled loop runs through them.
@@ -55,7 +55,7 @@ def reading_table(reading_problem: ReadingProblem, n_out: int, n_excitations: in
 
     They are for excitations that are solved together.
     """
-    n_measured = len(reading_problem.parts) - n_out
+    n_measured = len(reading_problem.readings) - n_out
     if reading_problem.sensed or n_measured > 1:
         return None
     parts = [*reading_problem.parts, *(reading_problem.terms[-1] if n_measured else ())]
@@ -71,7 +71,7 @@ def reading_table(reading_problem: ReadingProblem, n_out: int, n_excitations: in
     )
 
 
-def _entry(part: ReadingPart, laws: tuple[int, ...]) -> tuple[int, int, int]:
+def _entry(part: SolvedTerm, laws: tuple[int, ...]) -> tuple[int, int, int]:
     if part.term is None:
         return part.solved, -1, -1
     if part.term.law is not None:

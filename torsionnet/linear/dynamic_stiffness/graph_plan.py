@@ -68,12 +68,12 @@ class PassedLoad(NamedTuple):
 class MotionStep:
     """Formula for the motion of a row by back-substitution, once later coordinates are known.
 
-    value[slot] = load f_v / S + sum of factor (kappa_i / S) value[source] over ``parts`` (i, factor, source).
+    value[slot] = load f_v / S + sum of factor (kappa_i / S) value[source] over ``terms`` (i, factor, source).
     """
 
     slot: int
     load: float
-    parts: tuple[tuple[int, float, int], ...]
+    terms: tuple[tuple[int, float, int], ...]
 
 
 @dataclass(frozen=True)
@@ -342,14 +342,14 @@ class _Planner:
         motions = []
         for number in self.motions.take(v):
             motion = self.motions.rows[number]
-            parts = tuple(
+            terms = tuple(
                 (i, row[v] * there[1], there[0])
                 for i, row in enumerate(rows)
                 if (there := self._kept(self.motions, combine_rows(motion, row, v, self.accuracy)))
             )
-            motions.append(MotionStep(number, motion[v] if loads else 0.0, parts))
+            motions.append(MotionStep(number, motion[v] if loads else 0.0, terms))
         shared = {*(pair.i for pair in pairs), *(part.i for part in passed)}
-        shared |= {i for step in motions for i, _, _ in step.parts}
+        shared |= {i for step in motions for i, _, _ in step.terms}
         return EliminationStep(
             coordinate=v,
             handed_on=tuple(handed_on),

@@ -15,7 +15,7 @@ from torsionnet.base.errors import SolveError
 from torsionnet.base.expressions import exact
 from torsionnet.linear.assembly.rows import ActionLaw, polynomial
 from torsionnet.linear.assembly.system import Assembly
-from torsionnet.linear.dynamic_stiffness.reading_problem import ReadingPart, make_reading_problem
+from torsionnet.linear.dynamic_stiffness.reading_problem import SolvedTerm, make_reading_problem
 from torsionnet.linear.dynamic_stiffness.row_algebra import Accuracy
 from torsionnet.linear.dynamic_stiffness.tape import Tape
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest
@@ -59,14 +59,14 @@ class ManyDigits:
         problem = self.reading_problem.problem
         solved = [[in_many_digits(0)] * len(problem.excitations) for _ in range(problem.n_read)]
         # The tapes of double precision, with numbers of many digits.
-        for excitations, part in problem.parts:
+        for excitations, part in problem.eliminations:
             slots = [sum(factor * kappa[law] for law, factor in source) for source in part.plan.sources]
             for value, quantity in run_tape(part.tape, slots).items():
                 reading, place = divmod(value, len(excitations))
                 solved[reading][excitations[place]] = quantity
         solved, torques = self._closed(solved, s) if self.actions else (solved, [])
         readings = [
-            [_factor(part, kappa, s) * motion for motion in solved[part.solved]] for part in self.reading_problem.parts
+            [_factor(one, kappa, s) * motion for motion in solved[one.solved]] for one in self.reading_problem.readings
         ]
         # The torque read at an element has that of its own actions in it.
         for values, driven in zip(readings, self.reading_problem.driven, strict=True):
@@ -141,7 +141,7 @@ def run_tape(tape: Tape, kappa: Sequence[Any]) -> dict[int, Any]:
     return values
 
 
-def _factor(part: ReadingPart, kappa: Sequence[Any], s: Any) -> Any:
+def _factor(part: SolvedTerm, kappa: Sequence[Any], s: Any) -> Any:
     """Factor that turns a solved motion or reaction into its part of a reading at s, as an mpmath number."""
     if part.term is None:
         return in_many_digits(part.factor)

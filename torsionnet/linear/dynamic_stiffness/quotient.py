@@ -95,7 +95,7 @@ def chosen_method(problem: ResponseProblem, n_points: int, method: str) -> str:
     """Name of the solver to use, for ``auto`` the compiled loop for many points wherever numba works, else numpy."""
     if method != "auto":
         return method
-    is_large = n_points * sum(len(part.tape.operations) for _, part in problem.parts) >= COMPILED_WORK
+    is_large = n_points * sum(len(part.tape.operations) for _, part in problem.eliminations) >= COMPILED_WORK
     return "compiled" if is_large and compiled_works() else "graph"
 
 
@@ -182,10 +182,10 @@ def transfer_functions(
     if reading_problem.sensed:
         loops = close_loops(reading_problem, laws, loops.values)
     # Readings y = L(s) q + direct u of all outputs, then measured inputs, per unit excitation.
-    readings = np.empty((laws.n_points, len(reading_problem.parts), loops.values.shape[1]), dtype=complex)
+    readings = np.empty((laws.n_points, len(reading_problem.readings), loops.values.shape[1]), dtype=complex)
     with np.errstate(invalid="ignore"):
-        for number, part in enumerate(reading_problem.parts):
-            readings[:, number] = part.of(laws, loops.values).T
+        for number, reading in enumerate(reading_problem.readings):
+            readings[:, number] = reading.contribution(laws, loops.values).T
             for action, factor in reading_problem.driven[number].items():
                 readings[:, number] += float(factor) * loops.torques[action].T
     values, conditioning = readings[:, :n_out], np.ones(laws.n_points)
@@ -198,8 +198,9 @@ def transfer_functions(
         sizes = np.zeros(measured.shape)
         with np.errstate(all="ignore"):
             for number in range(measured.shape[1]):
-                terms = (np.abs(part.of(laws, loops.values)).T for part in reading_problem.terms[n_out + number])
-                sizes[:, number] = sum(terms, start=np.abs(reading_problem.applied[n_out + number]))
+                terms, applied = reading_problem.terms[n_out + number], reading_problem.applied[n_out + number]
+                magnitudes = (np.abs(term.contribution(laws, loops.values)).T for term in terms)
+                sizes[:, number] = sum(magnitudes, start=np.abs(applied))
             shares = np.divide(np.abs(measured), sizes, out=np.zeros(sizes.shape), where=sizes > 0)
         conditioning = shares.max(axis=2).min(axis=1) * apart
     return FrequencyPoints(values, conditioning)
@@ -230,7 +231,7 @@ def _compiled(request: TransferRequest, reading_problem: ReadingProblem, laws: L
     import torsionnet.linear.dynamic_stiffness.compiled as compiled
     from torsionnet.linear.dynamic_stiffness.compiled import reading_table
 
-    parts, n_out = reading_problem.problem.parts, len(request.outputs)
+    parts, n_out = reading_problem.problem.eliminations, len(request.outputs)
     tables = [reading_table(reading_problem, n_out, len(excitations)) for excitations, _ in parts]
     values = np.empty((laws.n_points, n_out, reading_problem.n_excitations), dtype=complex)
     conditioning = np.ones(laws.n_points)

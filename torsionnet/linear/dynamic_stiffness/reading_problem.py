@@ -23,15 +23,15 @@ Number: TypeAlias = Callable[[Any], Any]
 """Function that makes the coefficient of a row from a rational, as a float or as a number with many digits."""
 
 
-class ReadingPart(NamedTuple):
-    """Summand of a reading, which is ``factor``, or a term's coefficient, times row ``solved`` of the solution."""
+class SolvedTerm(NamedTuple):
+    """Term of a reading, which is ``factor``, or the coefficient of ``term``, times row ``solved`` of the solution."""
 
     solved: int
     term: Term | None
     factor: Fraction = Fraction(1)
 
-    def of(self, laws: LawStiffness, values: ComplexArray) -> ComplexArray:
-        """Contribution of this summand to the reading, in its unit per unit excitation, shape (n_exc, n_points)."""
+    def contribution(self, laws: LawStiffness, values: ComplexArray) -> ComplexArray:
+        """Contribution of this term to the reading, in its unit per unit excitation, shape (n_exc, n_points)."""
         if self.term is None:
             return np.asarray(float(self.factor) * values[self.solved])
         # Factor on the angle of the term: s^power, or the dynamic stiffness of its law.
@@ -59,9 +59,9 @@ class ReadingProblem:
     Attributes
     ----------
     problem : ResponseProblem
-    parts : tuple of ReadingPart
-        What every reading is.
-    terms : tuple of (ReadingPart, ...)
+    readings : tuple of SolvedTerm
+        Every reading as a single term of the solution.
+    terms : tuple of (SolvedTerm, ...)
         Of measured inputs, what their size is compared with: the reading written out as terms of motion.
     applied : (n_readings, n_exc) array
         The share of applied torques in that.
@@ -72,8 +72,8 @@ class ReadingProblem:
     """
 
     problem: ResponseProblem
-    parts: tuple[ReadingPart, ...]
-    terms: tuple[tuple[ReadingPart, ...], ...]
+    readings: tuple[SolvedTerm, ...]
+    terms: tuple[tuple[SolvedTerm, ...], ...]
     applied: FloatArray
     sensed: tuple[int, ...] = ()
     driven: tuple[Mapping[int, Fraction], ...] = ()
@@ -88,7 +88,7 @@ class ReadingProblem:
         # Excitations by the motion or reaction that they reach: only those are outputs on a tape, numbered
         # n_excitations * solved + number. All others are zero whatever the stiffnesses.
         reached: dict[int, set[int]] = {}
-        for excitations, part in self.problem.parts:
+        for excitations, part in self.problem.eliminations:
             operations = part.tape.operations
             for value in operations[operations[:, 0] == OUTPUT, 1].tolist():
                 place, number = divmod(value, len(excitations))
@@ -157,7 +157,7 @@ def make_reading_problem(
             applied[place, column] = float(reading.direct(channel.row)) if channel.quantity == "torque" else 0.0
     parts = (part if part.term else part._replace(solved=len(rows.rows) + part.solved) for part in read)
     driven = tuple(reading.actions for reading in readings)
-    return ReadingProblem(problem, tuple(parts), tuple(terms), applied, sensed, driven)
+    return ReadingProblem(problem, tuple(solved), tuple(terms), applied, sensed, driven)
 
 
 def law_of_imposed_twist(assembly: Assembly, element: str) -> int:
@@ -204,11 +204,11 @@ class _Rows:
     rows: list[Row] = field(default_factory=list)
     numbers: dict[frozenset[tuple[int, float]], int] = field(default_factory=dict)
 
-    def part(self, term: Term) -> ReadingPart:
+    def term(self, term: Term) -> SolvedTerm:
         row = self.assembly.columns_of(term.exact, self.number)
         if term.law is not None and term.law in self.twisted:
             row = {**row, self.twisted[term.law]: self.number(Fraction(-1))}
-        return ReadingPart(self.number_of(row), term)
+        return SolvedTerm(self.number_of(row), term)
 
     def number_of(self, row: Row) -> int:
         """Number of a motion among those to be solved for, which is appended if it is new."""
@@ -228,8 +228,8 @@ class _Gaps:
     opened: list[Gap] = field(default_factory=list)
     numbers: dict[tuple[frozenset[tuple[Any, Fraction]], ...], int] = field(default_factory=dict)
 
-    def part(self, reading: Functional) -> ReadingPart:
-        """Summand by which a torque is read as one reaction on a gap, so that its exact coefficients cancel."""
+    def term(self, reading: Functional) -> SolvedTerm:
+        """Term by which a torque is read as one reaction on a gap, so that its exact coefficients cancel."""
         # With the virtual motion z the balance reads -kappa_i (a_i z) of every law; the column of the gap has +a_i z.
         laws: dict[int, Fraction] = {}
         for term in reading.terms:

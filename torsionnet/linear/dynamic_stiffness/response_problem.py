@@ -301,7 +301,7 @@ class ResponseProblem:
         return len(self.outputs) + len(self.reactions)
 
     @cached_property
-    def parts(self) -> tuple[tuple[list[int], ResponseProblem], ...]:
+    def eliminations(self) -> tuple[tuple[list[int], ResponseProblem], ...]:
         """Groups of excitation numbers that one elimination solves, each group with its response problem.
 
         Few torques are solved one by one, and all imposed motions at once.
@@ -361,7 +361,7 @@ def eliminate(problem: ResponseProblem, laws: LawStiffness, walk: Walk = sweep) 
     """
     values = np.zeros((problem.n_read, len(problem.excitations), laws.n_points), dtype=complex)
     with np.errstate(all="ignore"):
-        for excitations, part in problem.parts:
+        for excitations, part in problem.eliminations:
             solved = walk(part.tape, laws.law_sums(len(part.plan.sources), part.plan.law_terms))
             values[:, excitations] = solved.reshape(problem.n_read, len(excitations), laws.n_points)
     return values
