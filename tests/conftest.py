@@ -66,9 +66,9 @@ def documents_close(built_documents):
     if built_documents:
         from support.printed_checks import document_faults
 
-        from torsionnet.report.writers.markdown import markdown_text
+        from torsionnet.report.writers.markdown import MarkdownWriter
 
-        texts = [markdown_text(report, "figures") for report in built_documents]
+        texts = [MarkdownWriter(report, "figures").page() for report in built_documents]
         built_documents.clear()
         assert [fault for text in texts for fault in document_faults(text)] == []
 

@@ -109,7 +109,7 @@ class TestEqualRows:
 class TestTooLong:
     @pytest.mark.slow
     def test_many_steps_are_folded_away_on_a_page_and_left_out_on_paper(self, engine):
-        page, paper, text = html_page(engine), html_page(engine, folds=False), latex_document(engine, "f")
+        page, paper, text = html_page(engine), html_page(engine, folds=False), LatexWriter(engine, "f").page()
         assert "<details><summary>" in page
         assert "<details>" not in paper
         assert "z_{20}" not in text
@@ -138,7 +138,7 @@ class TestTooLong:
 
     @pytest.mark.slow
     def test_numbers_of_tables_are_those_of_the_page(self, engine):
-        page, text = html_page(engine), latex_document(engine, "f")
+        page, text = html_page(engine), LatexWriter(engine, "f").page()
         open_page = re.sub(r"<details>.*?</details>", "", page, flags=re.DOTALL)
         captions = re.findall(r"<p class=caption id=table-(\w+)>", open_page)
         assert captions == [str(number) for number in range(1, text.count(r"\caption{") + 1)]
@@ -185,7 +185,7 @@ def test_words_of_more_than_twenty_letters_may_break_behind_signs():
 
 class TestRoom:
     def test_every_heading_and_table_asks_for_room(self, engine):
-        text = latex_document(engine, "f")
+        text = LatexWriter(engine, "f").page()
         for command in (r"\section{", r"\subsection{"):
             places = [place.start() for place in re.finditer(re.escape(command), text)]
             assert all(re.search(r"\\room\{\d+\\baselineskip\}\n$", text[:place]) for place in places)
@@ -217,7 +217,7 @@ class TestRoom:
         assert long - short == pytest.approx(3 * 1.15)
 
     def test_rows_of_matrices_with_fractions_stand_apart(self):
-        text = latex_document(make_report("amt_rig", date=None, sections=["equations"]), "f")
+        text = LatexWriter(make_report("amt_rig", date=None, sections=["equations"]), "f").page()
         matrices = [found for found in re.findall(r"\\begin{bmatrix}.*?\\end{bmatrix}", text) if "dfrac" in found]
         assert matrices
         assert all(r" \\[5pt] " in found for found in matrices if r"\\" in found)
@@ -264,7 +264,7 @@ class TestCompiled:
     @pytest.mark.slow
     def test_one_run_does_for_long_tables_and_many_configurations(self, tmp_path, engine):
         (tmp_path / "r.tex").write_text(
-            re.sub(r"\\drawing\{[^}]*\}", "", latex_document(engine, "f")), encoding="utf-8"
+            re.sub(r"\\drawing\{[^}]*\}", "", LatexWriter(engine, "f").page()), encoding="utf-8"
         )
         log, text = compiled(tmp_path, "r")
         assert max(overfull(log), default=0) <= MOST_OVER
@@ -277,7 +277,7 @@ class TestCompiled:
         blocks = (wide_table(), table("Words", [Heading("A"), Heading("B")], [(long, Math("x")), (long + "b", "y")]))
         report = Report("T", "S", make_report("dmf_rig", date=None, sections=["validity"]).facts, (),
                         (Section("s", ("S",), blocks),))  # fmt: skip
-        (tmp_path / "r.tex").write_text(latex_document(report, "f"), encoding="utf-8")
+        (tmp_path / "r.tex").write_text(LatexWriter(report, "f").page(), encoding="utf-8")
         log, text = compiled(tmp_path, "r")
         assert max(overfull(log), default=0) <= MOST_OVER
         assert compiled(tmp_path, "r")[1] == text

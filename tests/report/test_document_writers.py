@@ -33,8 +33,9 @@ from torsionnet.report.report_tables import table
 from torsionnet.report.writers import html, markdown, pdf
 from torsionnet.report.writers import pdf as browser
 from torsionnet.report.writers.html import html_page
+from torsionnet.report.writers.latex import LatexWriter
 from torsionnet.report.writers.latex import escaped as latex_escaped
-from torsionnet.report.writers.latex import latex_document
+from torsionnet.report.writers.markdown import MarkdownWriter
 from torsionnet.symbolic.symbol_names import GREEK
 
 HOSTILE = '<b>A & "B"</b> $x_1$ 100% #~^\\{} <script>alert(1)</script> 中 Ω `c` *d* | é'
@@ -372,7 +373,7 @@ class TestLatex:
         assert max(wide, default=0) < 12, log
 
     def test_captions_are_in_the_document(self):
-        text = latex_document(make_report("dmf_rig", date=None), "figures")
+        text = LatexWriter(make_report("dmf_rig", date=None), "figures").page()
         assert text.count(r"\begin{longtable}") == text.count(r"\caption{")
         assert r"\drawing{figures/schematic.pdf}" in text
 
@@ -391,13 +392,13 @@ class TestMarkdown:
 
     @pytest.mark.slow
     def test_no_escape_that_markdown_eats(self):
-        text = markdown.markdown_text(make_report("amt_rig", date=None), "f")
+        text = MarkdownWriter(make_report("amt_rig", date=None), "f").page()
         for formula in re.findall(r"\$\$?(.+?)\$\$?", text, re.DOTALL):
             assert "\\\\" not in formula
             assert "\\," not in formula
 
     def test_tables_have_equal_rows(self):
-        text = markdown.markdown_text(make_report(hostile(), date=None), "f")
+        text = MarkdownWriter(make_report(hostile(), date=None), "f").page()
         lines = [re.sub(r"\\.", "", line) for line in text.splitlines()]
         tables = [list(group) for group in _runs(lines)]
         assert len(tables) > 8
@@ -407,7 +408,7 @@ class TestMarkdown:
     def test_a_table_has_its_rule_units_and_headings_of_groups(self):
         groups = (TableGroup((("one", NumberText(2.0)),)), TableGroup((("two", NumberText(7.5)),), "Others"))
         found = TableBlock(("Values",), (Heading("Name"), Heading("x", "kN·m", numeric=True)), groups)
-        text = markdown.markdown_text(Report("r", "", Facts(()), (), (Section("s", ("s",), (found,)),)), "f")
+        text = MarkdownWriter(Report("r", "", Facts(()), (), (Section("s", ("s",), (found,)),)), "f").page()
         lines = [line.replace("\\", "") for line in text.splitlines() if line.startswith("|")]
         assert lines[-5:] == ["| Name | x [kN·m] |", "|---|---:|", "| one | 2 |", "| **Others** | |", "| two | 7.5 |"]
 

@@ -11,7 +11,7 @@ import torsionnet as tn
 from torsionnet.io.tracked_order_tables import write_tracked_orders
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import TableBlock
-from torsionnet.report.writers.markdown import markdown_text
+from torsionnet.report.writers.markdown import MarkdownWriter
 
 SPEEDS = np.arange(310.0, 890.0, 5.0)
 FACTOR = 0.9
@@ -80,7 +80,7 @@ def test_german_sentences(tmp_path):
     peaks = columns(report, "Gemessene und gerechnete Spitzen")
     assert peaks["Urteil"] == ("fester Faktor",)
     words_of_figures = re.compile(r"!\[.*?\]\(.*?\)")  # for those who cannot see them: not replaced
-    section = words_of_figures.sub("", markdown_text(report, ".").partition("Messplan")[2])
+    section = words_of_figures.sub("", MarkdownWriter(report, ".").page().partition("Messplan")[2])
     for english in ("measured", "the limit", "half width", "Half range", "amplitudes", "orders of"):
         assert english not in section, english
     kept = columns(report_on(0.01 * torque(SPEEDS), tmp_path, "de"), "neben den Grenzen")

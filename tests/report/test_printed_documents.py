@@ -8,7 +8,7 @@ from support.printed_tables import Printed, printed_tables
 
 import torsionnet as tn
 from torsionnet.report import make_report
-from torsionnet.report.writers.markdown import markdown_text
+from torsionnet.report.writers.markdown import MarkdownWriter
 
 MODEL = """torsionnet: 1
 name: two discs and a heavy shaft
@@ -30,7 +30,7 @@ report: {kind: approval}
 
 @pytest.fixture(scope="module")
 def document():
-    return markdown_text(make_report(tn.loads(MODEL), date=None), "figures")
+    return MarkdownWriter(make_report(tn.loads(MODEL), date=None), "figures").page()
 
 
 def table(document, words):

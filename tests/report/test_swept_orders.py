@@ -14,7 +14,7 @@ from torsionnet.io.tracked_order_tables import read_tracked_orders, write_tracke
 from torsionnet.machinery.orders.calculated_order import swept_comparison, swept_orders
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import TableBlock
-from torsionnet.report.writers.markdown import markdown_text
+from torsionnet.report.writers.markdown import MarkdownWriter
 from torsionnet.signals.orders.tracked_orders import TrackedOrders
 
 RPM = np.pi / 30
@@ -97,7 +97,7 @@ def report_on(tests, language="en"):
         tn.load("plant.yaml"), sections=["measurement_plan"], measured=tests, date=None, language=language
     )
     found = [one for one in of(TableBlock, blocks(report, "measurement_plan")) if "speed" not in str(one.caption)]
-    return markdown_text(report, "."), rows(found[-1])
+    return MarkdownWriter(report, ".").page(), rows(found[-1])
 
 
 def test_a_report_compares_with_the_swept_response(run_up_of_plant):

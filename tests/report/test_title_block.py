@@ -10,8 +10,8 @@ import torsionnet as tn
 from torsionnet.report import make_report
 from torsionnet.report.plan import Revision, TitleBlock
 from torsionnet.report.writers.html import html_page
-from torsionnet.report.writers.latex import latex_document
-from torsionnet.report.writers.markdown import markdown_text
+from torsionnet.report.writers.latex import LatexWriter
+from torsionnet.report.writers.markdown import MarkdownWriter
 
 MODEL = """torsionnet: 1
 name: two discs
@@ -131,7 +131,7 @@ class TestDocument:
             assert f"<tr><th scope=row>{done}</th><td>{name}</td><td></td><td></td></tr>" in text
 
     def test_latex(self):
-        text = latex_document(report(), "f")
+        text = LatexWriter(report(), "f").page()
         assert "Hull & 4711 & Revision & A \\\\\\hline" in re.sub(r"\s+", " ", text).replace(
             "\\\\ \\hline", "\\\\\\hline"
         )
@@ -140,7 +140,7 @@ class TestDocument:
             assert f"{done} & {name} & & \\\\\\hline" in text
 
     def test_markdown(self):
-        lines = markdown_text(report(), "f").splitlines()
+        lines = MarkdownWriter(report(), "f").page().splitlines()
         assert "| Hull | 4711 | Revision | A |" in lines
         assert "| Owner |  | Date | 2025-04-01 |" in lines
         assert "| A | 2025-03-31 |  | P. Name |  |  |" in lines
@@ -150,8 +150,8 @@ class TestDocument:
         evil = "<b>50 % & $x_1$</b>"
         made = report(title_block={"owner": evil})
         assert "<td>&lt;b&gt;50 % &amp; $x_1$&lt;/b&gt;</td>" in html_page(made)
-        assert r"\textless{}b\textgreater{}50 \% \& \$x\_1\$" in latex_document(made, "f")
-        assert r"| \<b\>50 % \& \$x\_1\$\</b\> |" in markdown_text(made, "f")
+        assert r"\textless{}b\textgreater{}50 \% \& \$x\_1\$" in LatexWriter(made, "f").page()
+        assert r"| \<b\>50 % \& \$x\_1\$\</b\> |" in MarkdownWriter(made, "f").page()
 
     def test_words_replace_labels_and_not_what_is_filled_in(self, tmp_path):
         (tmp_path / "words.yaml").write_text(

@@ -14,14 +14,13 @@ from torsionnet.base.errors import UsageError
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.signals.comparison import difference, frac
 from torsionnet.signals.decimation import blocks_in_order
-from torsionnet.signals.estimators import Step, estimate, full_record, multiple_coherence, stepped_sine
+from torsionnet.signals.estimators import Step, estimate, multiple_coherence, stepped_sine
 from torsionnet.signals.recording import Recording, Signal
 from torsionnet.signals.spectra import cross_spectra
 from torsionnet.signals.uncertainty import (
     half_power_bandwidth,
     peak_warnings,
     random_error,
-    random_errors,
     resolution_limit,
     significant_peaks,
 )
@@ -239,53 +238,12 @@ class TestUncertainty:
             spectra = cross_spectra(record, settings)
             response = estimate(spectra, "t", "T")
             found.append(response.values[5:-5, 0, 0])
-            predicted.append(random_errors(spectra, response).magnitude[5:-5, 0, 0])
+            error = random_error(response.coherence[:, 0, 0], spectra.effective_averages)
+            predicted.append(error.magnitude[5:-5])
         scatter = np.sqrt(np.mean(np.var(np.abs(found), axis=0))) / 2
         turn = np.sqrt(np.mean(np.var(np.angle(found), axis=0)))
         assert np.mean(predicted) == pytest.approx(scatter, rel=0.1)
         assert np.mean(predicted) == pytest.approx(turn, rel=0.1)
-
-    def test_one_input_is_the_closed_form(self):
-        record = recorded(T=white(5000), t=2 * white(5000) + white(5000, 1))
-        spectra = cross_spectra(record)
-        response = estimate(spectra, "t", "T")
-        simple = random_error(response.coherence, spectra.effective_averages)
-        errors = random_errors(spectra, response)
-        np.testing.assert_allclose(errors.magnitude, simple.magnitude, rtol=1e-9)
-        lower, upper = errors.band(response)
-        half_width = 1.96 * errors.magnitude * response.magnitude
-        np.testing.assert_allclose(upper - response.magnitude, half_width)
-        np.testing.assert_allclose(response.magnitude - lower, half_width)
-        lowest, _ = errors.band(response, deviations=1e3)
-        assert np.all(lowest[errors.magnitude > 1e-3] == 0)
-
-    def test_scatter_of_estimates_against_a_reference_is_as_predicted(self):
-        """With noise on input and output, and another on what the reference cannot know of the input."""
-        found, predicted = [], []
-        settings = Welch("hamming", 0.5, 0.8)
-        for seed in range(150):
-            clean, other, on_input, on_output = (white(2000, 4 * seed + n) for n in range(4))
-            torque = clean + 0.5 * other
-            record = recorded(T0=clean, T=torque + 0.3 * on_input, t=2 * torque + on_output)
-            spectra = cross_spectra(record, settings)
-            response = estimate(spectra, "t", "T", reference="T0")
-            found.append(response.values[5:-5, 0, 0])
-            predicted.append(random_errors(spectra, response, "T0").magnitude[5:-5, 0, 0])
-        scatter = np.sqrt(np.mean(np.var(np.abs(found), axis=0))) / 2
-        assert np.mean(found).real == pytest.approx(2, rel=0.01)
-        assert np.mean(predicted) == pytest.approx(scatter, rel=0.1)
-
-    def test_certainty_rests_on_what_an_input_does_on_its_own(self):
-        T1, T2, noise = white(20_000, 1), white(20_000, 2), white(20_000, 3)
-        sizes = []
-        for shared in (0.0, 3.0):
-            record = recorded(T1=T1, T2=T2 + shared * T1, t=T1 + T2 + shared * T1 + noise)
-            spectra = cross_spectra(record)
-            errors = random_errors(spectra, estimate(spectra, "t", ["T1", "T2"]))
-            sizes.append(np.median(errors.magnitude[:, 0], axis=0))
-        alone = np.sqrt(1 / (2 * spectra.effective_averages))
-        np.testing.assert_allclose(sizes[0], alone, rtol=0.15)
-        np.testing.assert_allclose(sizes[1], [np.sqrt(1 + 3**2) * alone, alone], rtol=0.15)
 
     def test_phase_of_nothing_is_any(self):
         error = random_error(np.array([0.0]), 10)
@@ -298,12 +256,6 @@ class TestUncertainty:
         assert effective_averages(window, 200, 1) == 1
         with pytest.raises(UsageError, match="must be positive"):
             random_error(np.array([0.5]), 0)
-
-    def test_too_few_averages_for_the_inputs(self):
-        record = recorded(T1=white(400, 1), T2=white(400, 2), t=white(400, 3))
-        spectra = cross_spectra(record)
-        with pytest.raises(UsageError, match="too-short"):
-            random_errors(spectra, estimate(spectra, "t", ["T1", "T2"]))
 
 
 class TestBlocks:
@@ -380,22 +332,6 @@ class TestSingleTests:
     def test_step_without_a_whole_period(self, step):
         with pytest.raises(UsageError, match="no whole period"):
             stepped_sine(recorded(T=white(400), t=white(400)), "t", "T", [step])
-
-    def test_full_record_of_a_periodic_test_is_exact(self):
-        period = np.zeros(1000)
-        period[:40] = 1
-        torque = np.tile(period, 6)
-        angle, truth = oscillator(torque)
-        steady = recorded(T=torque[-1000:], t=angle[-1000:])
-        response = full_record(steady, "t", "T")
-        assert response.frequencies[0] == pytest.approx(0.2)
-        band = response.frequencies < 80
-        assert np.max(relative(response.values[band, 0, 0], truth(response.frequencies[band]))) < 1e-9
-
-    def test_full_record_leaves_out_what_was_not_excited(self):
-        time = np.arange(2000) / RATE
-        record = recorded(T=np.sin(2 * np.pi * 3 * time), t=white(2000))
-        assert full_record(record, "t", "T").frequencies.tolist() == [3.0]
 
 
 class TestRemarks:

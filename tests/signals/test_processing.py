@@ -9,7 +9,7 @@ import scipy
 
 from torsionnet import plot
 from torsionnet.base.errors import UsageError
-from torsionnet.signals.calculus import convert, differentiate, integrate
+from torsionnet.signals.calculus import convert
 from torsionnet.signals.decimation import anti_alias_taps, decimate, decimated, usable_up_to
 from torsionnet.signals.order_tracking import order_map, sweep_harmonics
 from torsionnet.signals.recording import QUANTITY_UNITS, Recording, Signal
@@ -116,49 +116,47 @@ class TestCalculus:
         assert (out.quantity, out.unit) == (wanted, QUANTITY_UNITS[wanted])
 
     def test_derivative_of_a_line_is_its_slope_up_to_the_ends(self):
-        out = differentiate(recorded(4 + 3 * self.TIME, 200, "angle"), "x")
+        out = convert(recorded(4 + 3 * self.TIME, 200, "angle"), "x", "velocity")
         np.testing.assert_allclose(out["x"].values, 3, rtol=1e-9)
 
     def test_derivative_of_any_record_is_right_away_from_the_ends(self):
         angle = np.sin(8 * self.TIME) + self.TIME**2
-        out = differentiate(recorded(angle, 200, "angle"), "x")["x"].values
+        out = convert(recorded(angle, 200, "angle"), "x", "velocity")["x"].values
         np.testing.assert_allclose(out[40:-40], (8 * np.cos(8 * self.TIME) + 2 * self.TIME)[40:-40], atol=0.02)
 
     def test_integral_of_a_line_is_a_parabola_up_to_the_ends(self):
-        out = integrate(recorded(4 + 3 * self.TIME, 200, "velocity"), "x")["x"].values
+        out = convert(recorded(4 + 3 * self.TIME, 200, "velocity"), "x", "angle")["x"].values
         parabola = 4 * self.TIME + 1.5 * self.TIME**2
         np.testing.assert_allclose(out, parabola - parabola.mean(), atol=1e-9)
 
     def test_integral_of_any_record(self):
-        out = integrate(recorded(np.cos(8 * self.TIME + 1), 200, "velocity"), "x")["x"].values
+        out = convert(recorded(np.cos(8 * self.TIME + 1), 200, "velocity"), "x", "angle")["x"].values
         exact = np.sin(8 * self.TIME + 1) / 8
         np.testing.assert_allclose(out, exact - exact.mean(), atol=1e-4)
 
     def test_drift_below_a_limit_is_left_out(self):
         record = recorded(self.motion("velocity") + 0.5 + 0.2 * np.cos(np.pi * self.TIME), 200, "velocity")
-        out = integrate(record, "x", ends="periodic", lowest_frequency=2.0)["x"]
+        out = convert(record, "x", "angle", ends="periodic", lowest_frequency=2.0)["x"]
         np.testing.assert_allclose(out.values, self.motion("angle"), atol=1e-11)
         assert "nothing below 2 Hz" in out.notes[-1]
 
     def test_new_name_keeps_the_old_signal(self):
-        out = differentiate(recorded(self.motion("angle"), 200, "angle"), "x", new_name="speed")
+        out = convert(recorded(self.motion("angle"), 200, "angle"), "x", "velocity", new_name="speed")
         assert out.names == ("x", "speed")
         assert (out["x"].quantity, out["speed"].quantity) == ("angle", "velocity")
 
     @pytest.mark.parametrize(
-        ("quantity", "ask", "message"),
+        ("quantity", "wanted", "ends", "message"),
         [
-            ("torque", differentiate, "unfit-channel"),
-            ("", differentiate, "unfit-channel"),
-            ("acceleration", differentiate, "unfit-channel"),
-            ("angle", integrate, "the first of angle"),
-            ("angle", lambda r, n: convert(r, n, "speed"), "unknown-word"),
-            ("angle", lambda r, n: differentiate(r, n, ends="taper"), "unknown-word"),
+            ("torque", "velocity", "mirror", "unfit-channel"),
+            ("", "velocity", "mirror", "unfit-channel"),
+            ("angle", "speed", "mirror", "unknown-word"),
+            ("angle", "velocity", "taper", "unknown-word"),
         ],
     )
-    def test_refusals(self, quantity, ask, message):
+    def test_refusals(self, quantity, wanted, ends, message):
         with pytest.raises(UsageError, match=message):
-            ask(recorded(self.TIME, 200, quantity), "x")
+            convert(recorded(self.TIME, 200, quantity), "x", wanted, ends=ends)
 
 
 class TestSpectrogram:
@@ -308,7 +306,7 @@ class TestOrders:
     "process",
     [
         lambda record: decimate(record, 2),
-        lambda record: differentiate(record, "x"),
+        lambda record: convert(record, "x", "velocity"),
         lambda record: spectrogram(record, "x"),
         lambda record: sweep_harmonics(record, "x", np.ones(1000)),
         lambda record: order_map(record, "x", np.ones(1000)),

@@ -68,36 +68,6 @@ def convert(
     return recording.with_signals(Signal(new_name or name, quantity, values, (*signal.notes, note)))
 
 
-def integrate(
-    recording: Recording, name: str, *, ends: Ends = "mirror", lowest_frequency: float = 0.0, new_name: str = ""
-) -> Recording:
-    """Recording with one acceleration integrated to a velocity, or one velocity to an angle, in SI."""
-    return convert(
-        recording,
-        name,
-        _neighbour(recording[name], -1),
-        ends=ends,
-        lowest_frequency=lowest_frequency,
-        new_name=new_name,
-    )
-
-
-def differentiate(recording: Recording, name: str, *, ends: Ends = "mirror", new_name: str = "") -> Recording:
-    """Recording with one angle differentiated to a velocity, or one velocity to an acceleration, in SI."""
-    return convert(recording, name, _neighbour(recording[name], 1), ends=ends, new_name=new_name)
-
-
-def _neighbour(signal: Signal, order: int) -> str:
-    place = _place(signal.quantity, signal.name) + order
-    if not 0 <= place < len(MOTION_QUANTITIES):
-        raise UsageError(
-            f"{signal.name} is {signal.quantity}, the {'first' if order < 0 else 'last'} of "
-            f"{', '.join(MOTION_QUANTITIES)}",
-            kind="unfit-channel",
-        )
-    return MOTION_QUANTITIES[place]
-
-
 def _order(signal: Signal, quantity: str) -> int:
     if quantity not in MOTION_QUANTITIES:
         known = ", ".join(MOTION_QUANTITIES)

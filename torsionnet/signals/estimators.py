@@ -25,7 +25,7 @@ from torsionnet.signals.uncertainty import (
     with_record,
     with_resolution_limit,
 )
-from torsionnet.signals.welch import Trend, Welch, aligned, lag_warnings, without_trend
+from torsionnet.signals.welch import Welch, aligned, lag_warnings
 
 Estimator: TypeAlias = Literal["H1", "H2", "Hv", "Hs", "Hr"]
 Names: TypeAlias = str | Sequence[str]
@@ -316,33 +316,6 @@ def stepped_sine(
     sines = np.array([_sines(chosen, step, settling) for step in ordered])
     note = f"stepped sine of {len(ordered)} steps, {settling:g} s each left to settle"
     return _response(chosen, np.array([step.frequency for step in ordered]), sines, note)
-
-
-def full_record(
-    recording: Recording, output: Names, input: str, detrend: Trend = "mean", floor: float = 1e-3
-) -> FrequencyResponse:
-    """Frequency response of a whole record without averaging, the output's spectrum over the input's.
-
-    Valid if the record holds whole periods of a periodic test, or begins and ends at rest. It has the finest
-    possible resolution, and noise is not reduced.
-
-    Parameters
-    ----------
-    recording : Recording
-    output : str or sequence of str
-    input : str
-    detrend : {"mean", "linear", "none"}, optional
-    floor : float, optional
-        Frequencies where the input is below this share of its largest line are left out.
-    """
-    outputs = (output,) if isinstance(output, str) else tuple(output)
-    chosen = _checked(recording, (*outputs, input))
-    lines = np.fft.rfft(without_trend(stacked(chosen), detrend), axis=1).T
-    excited = np.abs(lines[:, -1])
-    kept = (excited >= floor * excited.max()) & (excited > 0)
-    frequencies = np.fft.rfftfreq(len(chosen), 1 / chosen.sampling_rate)
-    note = f"full record of {chosen.duration:g} s, detrend {detrend}, no averaging"
-    return _response(chosen, frequencies[kept], lines[kept], note)
 
 
 def _checked(recording: Recording, names: Sequence[str]) -> Recording:

@@ -226,13 +226,6 @@ def hr(s_rx: ComplexArray, s_ry: ComplexArray) -> ComplexArray:
     return _complex((np.linalg.pinv(s_rx) @ s_ry).transpose(0, 2, 1))
 
 
-def unexplained_spectra(H: ComplexArray, s_xx: ComplexArray, s_xy: ComplexArray, s_yy: ComplexArray) -> FloatArray:
-    """Spectral densities (n_f, n_out) of outputs minus their prediction by H (n_f, n_out, n_in) from the inputs."""
-    crossed = np.einsum("foi,fio->fo", H.conj(), s_xy).real
-    passed = np.einsum("foi,fij,foj->fo", H.conj(), s_xx, H).real
-    return np.asarray(np.maximum(np.einsum("foo->fo", s_yy).real - 2 * crossed + passed, 0.0))
-
-
 def hs(s_xx: ComplexArray, s_xy: ComplexArray, s_yy: ComplexArray, noise_ratio: float | FloatArray) -> ComplexArray:
     """Transfer functions by Hs, (n_f, n_out, n_in), total least squares for each output, noise on both sides.
 

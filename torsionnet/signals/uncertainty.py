@@ -14,7 +14,7 @@ from torsionnet.linear.estimation import Estimation
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.signals.decimation import VALID_SHARE
 from torsionnet.signals.recording import FloatArray, Recording
-from torsionnet.signals.spectra import CrossSpectra, hr, unexplained_spectra
+from torsionnet.signals.spectra import CrossSpectra
 
 # Warnings about unreliable peaks of an estimated response, and the frequency up to which a sensor resolves motion.
 
@@ -344,11 +344,6 @@ class RandomError:
     magnitude: FloatArray
     phase: FloatArray
 
-    def band(self, response: FrequencyResponse, deviations: float = 1.96) -> tuple[FloatArray, FloatArray]:
-        """Lower and upper confidence limit of a response's magnitude, each (n_f, n_out, n_in), in its unit."""
-        half_width = deviations * self.magnitude
-        return np.maximum(1 - half_width, 0) * response.magnitude, (1 + half_width) * response.magnitude
-
 
 def random_error(coherence: FloatArray, averages: float) -> RandomError:
     """Random error of H1 with one input, from its coherence and the effective number of averages.
@@ -408,10 +403,6 @@ def random_errors(
 def _of_relative(relative: FloatArray) -> RandomError:
     uniform_phase = np.pi / np.sqrt(3)
     return RandomError(np.asarray(relative), np.degrees(np.minimum(relative, uniform_phase)))
-
-
-def _names(channels: Sequence[Channel]) -> list[str]:
-    return [channel.name for channel in channels]
 
 
 # Data on how an estimated response was averaged (segments, sweep, sensor steps, record).

@@ -43,11 +43,6 @@ def write(report: Report, path: Path) -> tuple[Path, ...]:
     return LatexWriter.write(report, path)
 
 
-def latex_document(report: Report, folder: str) -> str:
-    """Text of the LaTeX document of a report; ``folder`` holds the figures."""
-    return LatexWriter(report, folder).page()
-
-
 # LaTeX of the texts and numbers of a report.
 
 SPECIAL = {

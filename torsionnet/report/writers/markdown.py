@@ -29,11 +29,6 @@ def write(report: Report, path: Path) -> tuple[Path, ...]:
     return MarkdownWriter.write(report, path)
 
 
-def markdown_text(report: Report, folder: str) -> str:
-    """Text of the Markdown file of a report; ``folder`` holds the figures."""
-    return MarkdownWriter(report, folder).page()
-
-
 def escaped(text: str) -> str:
     r"""Text with all marks of Markdown in it escaped.
 
