@@ -46,7 +46,7 @@ def test_frequency_of_a_cubic_spring_moves_with_the_torque():
     np.testing.assert_allclose(found.frequency_slopes[0], by_hand, rtol=1e-8)
     assert any("operating point under a 60 N*m" in note for note in found.notes)
     assert any("operating point under a 60 N*m" in note for note in found.table().notes)
-    assert any("operating point under a 60 N*m" in note for note in found.record().words)
+    assert any("operating point under a 60 N*m" in note for note in found.remarks)
 
 
 def test_pole_of_a_motor_moves_with_torque_and_slip():

@@ -266,7 +266,7 @@ def _ranked(one: CauseFit, whole: float, *, explains: bool) -> RankedCause:
 
 
 @dataclass(frozen=True)
-class FittedRow:
+class FittedValue:
     """Fitted value of a parameter with its standard error and 95 % intervals in SI, and the true value if known."""
 
     name: str
@@ -293,11 +293,11 @@ class FitAnswer:
     true: Mapping[str, float] = field(default_factory=dict)
 
     @property
-    def parameters(self) -> tuple[FittedRow, ...]:
+    def parameters(self) -> tuple[FittedValue, ...]:
         """Fitted values with their intervals, true values where they are known."""
         fit, intervals = self.fit, self.fit.intervals()
         return tuple(
-            FittedRow(
+            FittedValue(
                 name, value, fit.standard_errors[name], intervals[name], self.profiles.get(name),
                 fit.units.get(name, ""), self.true.get(name),
             )

@@ -48,7 +48,7 @@ class PlacedLaws(OtherLaws):
 
 
 @dataclass(frozen=True, eq=False)
-class LawRow:
+class LawOverCoordinates:
     """Law of motion of an element over the coordinates.
 
     Attributes
@@ -76,7 +76,7 @@ class MotionPlant:
     """
 
     drivetrain: AssembledModel
-    laws: tuple[LawRow, ...]
+    laws: tuple[LawOverCoordinates, ...]
     actions: tuple[LawStates, ...]
     memo: dict[Hashable, Any] = field(default_factory=dict, init=False, compare=False, repr=False)
 
@@ -176,7 +176,7 @@ def placed_plant(drivetrain: AssembledModel) -> MotionPlant:
     plain = drivetrain.with_definition(replace(drivetrain.definition, elements=elements, tangents=None))
     assembly = plain.assembly
     laws = tuple(
-        LawRow(owner, law.motion, number, assembly.rows_of(law.row)[0])
+        LawOverCoordinates(owner, law.motion, number, assembly.rows_of(law.row)[0])
         for number, (owner, law) in enumerate(zip(assembly.owners, assembly.laws, strict=True))
         if isinstance(law, PlacedLaw) and law.motion is not None
     )

@@ -188,7 +188,7 @@ class Stretches:
         return np.vstack([self.starts.T, (before + f[:, None] * (after - before)).T, (after - before).T])
 
 
-class MotionRecord:
+class MotionReadings:
     """Record of readings (n_out, n) at samples, filled with stretches of motion.
 
     ``refinement`` is the number of steps between samples, ``drive`` (n_points, n_u) the torques at the grid points.

@@ -30,7 +30,7 @@ from torsionnet.motion.driving import Driving, Stretch
 from torsionnet.motion.march_tables import BLOCK, MOST_TURN, in_steps, push_offsets
 from torsionnet.motion.marching import with_torques
 from torsionnet.motion.motion_plant import Drive, LawPhases, Layout
-from torsionnet.motion.motion_record import MotionOverTime, MotionRecord, Stretches
+from torsionnet.motion.motion_record import MotionOverTime, MotionReadings, Stretches
 from torsionnet.motion.motion_works import Works, remembered_energies, stored_energy
 from torsionnet.motion.scenarios.time_history import SAMPLE_SLACK
 from torsionnet.motion.smooth_laws import SplitPlant
@@ -69,7 +69,7 @@ class PieceMotion:
         self.kept: list[Stretches] = []
         self.works = Works(states, self.drive)
 
-    def whole(self, z0: FloatArray, record: MotionRecord, contact: Contact | None = None) -> MotionOverTime:
+    def whole(self, z0: FloatArray, record: MotionReadings, contact: Contact | None = None) -> MotionOverTime:
         """Motion from a state z0 in SI units to the last sample; ``contact`` goes on from the end of another."""
         states, at = self.states, self.states.at
         numbers, times = np.zeros((LISTED, 3), dtype=np.int64), np.zeros((LISTED, 2))
@@ -133,7 +133,7 @@ class PieceMotion:
         gained = {owner: value - begun[owner] for owner, value in kept.items()}
         return MotionOverTime(record.values, tuple(self.events), DeferredBalance(lambda: self._balance(stored, gained)))
 
-    def _note(self, record: MotionRecord, numbers: NDArray[np.int64], times: FloatArray, starts: FloatArray) -> None:
+    def _note(self, record: MotionReadings, numbers: NDArray[np.int64], times: FloatArray, starts: FloatArray) -> None:
         """Read stretches at the samples, and keep them for the works, or work these out at once if there are many."""
         stretches = Stretches(self.states.contacts, numbers.copy(), times.copy(), starts.copy())
         record.add(stretches)
@@ -382,7 +382,7 @@ class _DrivenMarch:
                     length = h
                 drive = self._grid(stretch, run, steps)
                 motion = PieceMotion(self.states, drive, steps, run.n * steps, run.start)
-                record = MotionRecord(self.states, self.readings, self.inputs, run.n + 1, steps, drive)
+                record = MotionReadings(self.states, self.readings, self.inputs, run.n + 1, steps, drive)
                 z[at.w] = self.generators.at(stretch, run.start)
                 parts.append(motion.whole(z, record, contact))
                 z, contact = motion.end, motion.contact

@@ -17,7 +17,7 @@ from torsionnet.model.element_base.laws import MotionState, TorqueCurve
 from torsionnet.model.elements import MotionLaw, Values
 from torsionnet.model.motion_laws.piece_curve import PieceCurve, Slope
 from torsionnet.motion.chain_phases import chain_phases
-from torsionnet.motion.motion_plant import LawPhases, LawRow, MotionPlant, PlacedLaw, law_phases
+from torsionnet.motion.motion_plant import LawOverCoordinates, LawPhases, MotionPlant, PlacedLaw, law_phases
 from torsionnet.motion.scenarios.scenario import GridTie
 
 Scale = tuple[str, str]
@@ -120,7 +120,7 @@ def split_plant(drivetrain: AssembledModel, plant: MotionPlant, scales: tuple[Sc
             raise UsageError(
                 f'the torque of {owner} does not follow "{what}" over time; {own} scales it', kind="unsupported-law"
             )
-    pieces: list[LawRow] = []
+    pieces: list[LawOverCoordinates] = []
     phases: list[LawPhases] = []
     scale_of: list[int] = []
     smooth: list[SmoothLaw] = []

@@ -21,7 +21,7 @@ from torsionnet.model.operating_point import torque_place
 from torsionnet.motion.balance.operating_balance import asked_point
 from torsionnet.motion.contact_states import Contact
 from torsionnet.motion.driving import acting_means, given_speeds
-from torsionnet.motion.motion_plant import LawRow, Layout, MotionPlant, PlacedLaw
+from torsionnet.motion.motion_plant import LawOverCoordinates, Layout, MotionPlant, PlacedLaw
 from torsionnet.motion.smooth_laws import SplitPlant
 
 SAME = 1e-9
@@ -99,7 +99,7 @@ def nodes_of(drivetrain: AssembledModel, place: str) -> tuple[str, ...]:
     return (drivetrain.inputs[place] if place in drivetrain.inputs else torque_place(place)).nodes
 
 
-def _all_rows(split: SplitPlant) -> Iterator[LawRow]:
+def _all_rows(split: SplitPlant) -> Iterator[LawOverCoordinates]:
     yield from split.plant.laws
     for law in split.smooth:
         if law.held < 0:
@@ -107,7 +107,11 @@ def _all_rows(split: SplitPlant) -> Iterator[LawRow]:
 
 
 def _balanced(
-    drivetrain: AssembledModel, plant: MotionPlant, places: Mapping[str, float], rows: list[LawRow], forces: FloatArray
+    drivetrain: AssembledModel,
+    plant: MotionPlant,
+    places: Mapping[str, float],
+    rows: list[LawOverCoordinates],
+    forces: FloatArray,
 ) -> BalancedState | None:
     """State of the laws of motion under torques in N m by place; None without such laws."""
     tangents = drivetrain.definition.tangents
@@ -158,7 +162,7 @@ def _states(plant: MotionPlant, state: BalancedState) -> Iterator[tuple[int, tup
 
 
 def _speeds(
-    plant: MotionPlant, speeds: Mapping[str, float], rows: Mapping[int, LawRow],
+    plant: MotionPlant, speeds: Mapping[str, float], rows: Mapping[int, LawOverCoordinates],
     known: Mapping[int, tuple[MotionState, float]],
 ) -> FloatArray:  # fmt: skip
     """Speeds (n_q,) in rad/s of the coordinates from those of nodes and the rates of laws."""
@@ -176,7 +180,7 @@ def _speeds(
 
 
 def _turning(
-    rows: Mapping[int, LawRow], known: Mapping[int, tuple[MotionState, float]], v: FloatArray
+    rows: Mapping[int, LawOverCoordinates], known: Mapping[int, tuple[MotionState, float]], v: FloatArray
 ) -> dict[int, tuple[MotionState, float]]:
     """States and torques in N m of laws over the rate that the balance does not know, at the speeds v.
 
@@ -215,8 +219,8 @@ def _free_motions(plant: MotionPlant, rows: list[FloatArray]) -> FloatArray:
 
 
 def _angles(
-    plant: MotionPlant, rows: Mapping[int, LawRow], known: Mapping[int, tuple[MotionState, float]], forces: FloatArray,
-    v: FloatArray, tangents: Mapping[int, tuple[float, float]],
+    plant: MotionPlant, rows: Mapping[int, LawOverCoordinates], known: Mapping[int, tuple[MotionState, float]],
+    forces: FloatArray, v: FloatArray, tangents: Mapping[int, tuple[float, float]],
 ) -> tuple[FloatArray, FloatArray, FloatArray]:  # fmt: skip
     """Angles (n_q,) in rad, even accelerations (n_q,) in rad/s^2, and states (n_c,) of controllers.
 

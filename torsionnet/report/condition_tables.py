@@ -15,7 +15,7 @@ from torsionnet.machinery.criticals.critical_speeds import CriticalSpeed
 from torsionnet.machinery.limits.society_rules import in_all_words
 from torsionnet.machinery.orders.operating_groups import damping_shares
 from torsionnet.machinery.orders.order_amplitudes import SummedOrder
-from torsionnet.machinery.verdicts.condition_peaks import ConditionPeaks, CriticalRecord, JudgedPoint, SumPeak
+from torsionnet.machinery.verdicts.condition_peaks import ConditionPeaks, JudgedCritical, JudgedPoint, SumPeak
 from torsionnet.machinery.verdicts.limit_check import LimitCheck
 from torsionnet.machinery.verdicts.limit_verdict import LimitVerdict
 from torsionnet.machinery.verdicts.order_peaks import LEAST_SHARE, SMALL_SHARE, largest_orders
@@ -99,7 +99,7 @@ def normal_criticals(subject: ReportData) -> TableBlock | Paragraph:
     )
 
 
-def _with_sums(records: Sequence[CriticalRecord]) -> Iterator[tuple[CriticalRecord, SummedOrder | None]]:
+def _with_sums(records: Sequence[JudgedCritical]) -> Iterator[tuple[JudgedCritical, SummedOrder | None]]:
     """Yield records of one mode, and behind those of one frequency the one of the larger order with their sum.
 
     What a test measures is the sum of the lines of one frequency.
@@ -112,7 +112,7 @@ def _with_sums(records: Sequence[CriticalRecord]) -> Iterator[tuple[CriticalReco
             yield max(own, key=lambda other: other.share), summed
 
 
-def _damping_cells(case: Case, records: Sequence[CriticalRecord]) -> dict[float, str]:
+def _damping_cells(case: Case, records: Sequence[JudgedCritical]) -> dict[float, str]:
     """Cells with the shares in the damping of one mode, by critical speed; between two that agree all are equal."""
     each = {record.critical.natural_speed: record.critical for record in records}
     known = {speed: damping_cell(case, each[speed]) for speed in dict.fromkeys((min(each), max(each)))}
@@ -210,7 +210,7 @@ def _beside_in(subject: ReportData) -> Iterator[str]:
         yield phrase("In {conditions}, beside the range and not examined: {names}.", conditions=where, names=names)
 
 
-def _worst(records: Iterator[CriticalRecord]) -> list[CriticalRecord]:
+def _worst(records: Iterator[JudgedCritical]) -> list[JudgedCritical]:
     """Records in which each order uses a limit most at each of its modes, of all conditions."""
     worst: dict[tuple[int, str], CriticalRecord] = {}
     for record in records:

@@ -12,7 +12,7 @@ from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.units import RPM
 from torsionnet.machinery.excitations.reciprocating_engine import ReciprocatingEngine
 from torsionnet.machinery.orders.operating_groups import drivetrains_at_speeds
-from torsionnet.machinery.verdicts.condition_peaks import ConditionPeaks, CriticalRecord
+from torsionnet.machinery.verdicts.condition_peaks import ConditionPeaks, JudgedCritical
 from torsionnet.machinery.verdicts.order_peaks import LEAST_SHARE, SMALL_SHARE, order_shares
 from torsionnet.model.elements import Propeller
 from torsionnet.report.document_tree import Text
@@ -46,7 +46,7 @@ LEAST_LOSS = 0.05
 NO_PEAK = "Without a speed of its peak the order has no maximum of its own; values are those at the critical speed."
 
 
-def notes_on_criticals(subject: ReportData, peaks: ConditionPeaks, shown: Sequence[CriticalRecord]) -> Iterator[Text]:
+def notes_on_criticals(subject: ReportData, peaks: ConditionPeaks, shown: Sequence[JudgedCritical]) -> Iterator[Text]:
     """Yield the notes below the table of critical speeds in the normal condition, of which ``shown`` are listed."""
     yield from ((note,) for note in CRITICAL_NOTES)
     if any(not record.is_peak for record in shown):
@@ -77,7 +77,7 @@ def notes_on_criticals(subject: ReportData, peaks: ConditionPeaks, shown: Sequen
     yield from _distances(subject, shown)
 
 
-def beside_range(peaks: ConditionPeaks, shown: Sequence[CriticalRecord]) -> Iterator[str]:
+def beside_range(peaks: ConditionPeaks, shown: Sequence[JudgedCritical]) -> Iterator[str]:
     """Yield the sentence on critical speeds of a condition outside of the speeds examined, as strong as those shown."""
     strongest = max((record.critical.resonant_amplitude for record in shown), default=0.0)
     beyond = [
@@ -91,7 +91,7 @@ def beside_range(peaks: ConditionPeaks, shown: Sequence[CriticalRecord]) -> Iter
         yield phrase(text, low=low, high=high, names=places_words(beyond))
 
 
-def propeller_dampings(case: Case, records: Sequence[CriticalRecord]) -> Iterator[str]:
+def propeller_dampings(case: Case, records: Sequence[JudgedCritical]) -> Iterator[str]:
     """Yield a sentence for each propeller whose damping follows the speed: its law, and it at the critical speeds."""
     definition = case.drivetrain.definition
     laws = {
@@ -186,7 +186,7 @@ def cancelling_sources(records: Sequence[CriticalRecord]) -> Iterator[str]:
         )
 
 
-def cancelling_cylinders(subject: ReportData, records: Sequence[CriticalRecord]) -> Iterator[str]:
+def cancelling_cylinders(subject: ReportData, records: Sequence[JudgedCritical]) -> Iterator[str]:
     """Yield the sentence on orders whose cylinders cancel each other on a mode, so that their force is small."""
     cancelling, excitations = [], subject.normal_case.drivetrain.definition.excitations
     for record in records:
@@ -208,7 +208,7 @@ def cancelling_cylinders(subject: ReportData, records: Sequence[CriticalRecord])
         )
 
 
-def places_words(records: Sequence[CriticalRecord]) -> str:
+def places_words(records: Sequence[JudgedCritical]) -> str:
     """Text with order, mode and critical speed in rpm of some critical speeds."""
     named = [
         phrase(
@@ -223,7 +223,7 @@ def places_words(records: Sequence[CriticalRecord]) -> str:
     return joined(", ", [*named, *([phrase("… and {count} more", count=more)] if more > 0 else [])])
 
 
-def _distances(subject: ReportData, shown: Sequence[CriticalRecord]) -> Iterator[Text]:
+def _distances(subject: ReportData, shown: Sequence[JudgedCritical]) -> Iterator[Text]:
     """Sentence on how far the critical speeds listed lie from rated speed, the nearest of each order; or nothing."""
     speeds = subject.model.definition.speeds
     if speeds is None or not speeds.rated:

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from torsionnet.machinery.holzer.holzer import CountedVibration
     from torsionnet.machinery.orders.order_line import OrderLine
     from torsionnet.machinery.orders.order_response import OrderResponse
-    from torsionnet.machinery.verdicts.condition_peaks import ConditionPeaks, CriticalRecord
+    from torsionnet.machinery.verdicts.condition_peaks import ConditionPeaks, JudgedCritical
     from torsionnet.machinery.verdicts.limit_check import LimitCheck
     from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
@@ -309,7 +309,7 @@ class ReportData:
         return tuple(self._peaks(checks[place], lines, refine=False) for place, lines in wanted.items())
 
     @property
-    def critical_records(self) -> tuple[CriticalRecord, ...]:
+    def critical_records(self) -> tuple[JudgedCritical, ...]:
         """Critical speeds of the normal condition and of further ones, as far as they matter there."""
         normal = () if self.normal_peaks is None else self.normal_peaks.criticals
         return (*normal, *(record for peaks in self.further_peaks for record in peaks.criticals))

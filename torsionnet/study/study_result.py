@@ -25,7 +25,7 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.linear.assembly.table_range import range_notes
 from torsionnet.study.answers.answer import AskedStudy
-from torsionnet.study.reductions.summaries import ACCURACY, KeptValues, QuantityRow, Summary
+from torsionnet.study.reductions.summaries import ACCURACY, KeptValues, QuantityStatistics, Summary
 from torsionnet.study.study import Study
 
 if TYPE_CHECKING:
@@ -93,7 +93,7 @@ CSV_BLOCK_LINES = 20_000
 
 
 @dataclass(frozen=True, eq=False)
-class StatisticsRecord:
+class StudyStatistics:
     """Statistics of all quantities of a study in SI, as they are written to JSON."""
 
     count: int
@@ -101,7 +101,7 @@ class StatisticsRecord:
     model: str
     version: str
     percentiles: tuple[float, ...]
-    quantities: tuple[QuantityRow, ...]
+    quantities: tuple[QuantityStatistics, ...]
     notes: tuple[str, ...]
     kept_every: Annotated[int | None, Out(optional=True)]
 
@@ -287,13 +287,13 @@ class StudyResult(NotebookResult):
             if count
         ]
 
-    def record(self) -> StatisticsRecord:
+    def record(self) -> StudyStatistics:
         """Statistics of the study in full precision for JSON, without the values of single variants."""
         every, study = self.kept.every, self.study
         rows = tuple(
             own.row(name, case, self.percentiles(name, SHOWN, case)) for (case, name), own in self.summaries.items()
         )
-        return StatisticsRecord(
+        return StudyStatistics(
             study.count, study.seed, study.model.title, __version__, SHOWN, rows, self.notes,
             None if every == 1 else every,
         )  # fmt: skip

@@ -14,10 +14,11 @@ from torsionnet.base.entries.spec import Schema
 from torsionnet.base.result_fields import json_schema, out_fields, record_schema, to_json
 from torsionnet.base.result_rows import NUMBER, Out
 from torsionnet.drivetrain import Drivetrain
+from torsionnet.linear.assembly.matrices import SystemMatrices
 from torsionnet.model.overview import ModelRecord, model_record
 from torsionnet.study.run.answering import AnsweredStudy
 from torsionnet.study.study import Study
-from torsionnet.study.study_result import StatisticsRecord
+from torsionnet.study.study_result import StudyStatistics
 
 # Equations of motion, matrices and transfer functions as plain data, for JSON.
 
@@ -50,16 +51,6 @@ class WrittenTransferFunction:
     errors: Annotated[Any, Out(optional=True, schema=SIMPLIFICATION_ERRORS)] = None
 
 
-@dataclass(frozen=True)
-class MatricesRecord:
-    """Matrices M, C and K of a drivetrain in numbers by rows, in SI units."""
-
-    coordinates: tuple[str, ...]
-    inertia: Annotated[list[list[float]], Out(json="M")]
-    damping: Annotated[list[list[float]], Out(json="C")]
-    stiffness: Annotated[list[list[float]], Out(json="K")]
-
-
 def equations_of_motion(rig: Drivetrain) -> EquationsOfMotion:
     """Record with the equations of motion of a drivetrain as texts."""
     system = rig.symbolic()
@@ -73,9 +64,10 @@ def equations_of_motion(rig: Drivetrain) -> EquationsOfMotion:
     )
 
 
-def matrices_record(rig: Drivetrain) -> MatricesRecord:
-    """Matrices M, C and K of a drivetrain in numbers by rows, in SI units."""
-    return MatricesRecord(rig.assembly.kinematics.coordinates, *(matrix_rows(rig, symbol) for symbol in "MCK"))
+def static_matrices(rig: Drivetrain) -> SystemMatrices:
+    """Matrices M, C and K of a drivetrain in SI units, in which laws over frequency and controllers have no part."""
+    assembly, rows = rig.assembly, rig.assembly.system
+    return SystemMatrices(assembly.kinematics.coordinates, assembly.nodes, rows.M, rows.C, rows.K, assembly.T)
 
 
 def dependent_angles(system: Any) -> dict[str, str]:
@@ -112,7 +104,7 @@ class ShownModel(ModelRecord):
     """Model with its values, and its equations of motion and matrices where these are asked for."""
 
     equations: Annotated[EquationsOfMotion | None, Out(optional=True)]
-    matrices: Annotated[MatricesRecord | None, Out(optional=True)]
+    matrices: Annotated[SystemMatrices | None, Out(optional=True)]
 
 
 def shown_model(rig: Drivetrain, *, equations: bool, matrices: bool) -> ShownModel:
@@ -120,7 +112,7 @@ def shown_model(rig: Drivetrain, *, equations: bool, matrices: bool) -> ShownMod
     return ShownModel(
         **vars(model_record(rig)),
         equations=equations_of_motion(rig) if equations else None,
-        matrices=matrices_record(rig) if matrices else None,
+        matrices=static_matrices(rig) if matrices else None,
     )
 
 
@@ -131,7 +123,7 @@ AS_ANSWERED: Schema = {"description": "as the type of the answer has them"}
 
 
 @dataclass(frozen=True)
-class ConclusionRow:
+class WordedConclusion:
     """Conclusion of one answer of a study in sentences and numbers."""
 
     sentences: tuple[str, ...]
@@ -139,11 +131,11 @@ class ConclusionRow:
 
 
 @dataclass(frozen=True)
-class StudyRecord:
+class StudyAnswers:
     """Record of a study with its title, its answers, and why some could not be answered."""
 
     title: str
-    answers: Mapping[str, ConclusionRow]
+    answers: Mapping[str, WordedConclusion]
     unanswered: Annotated[Mapping[str, str] | None, Out(optional=True)]
 
 
@@ -157,7 +149,7 @@ def study_json(study: Study, answered: AnsweredStudy) -> dict[str, Any]:
         for name, conclusion in answered.conclusions.items()
     }
     unanswered = {name: str(error) for name, error in answered.unanswered.items()}
-    record = to_json(StudyRecord(study.title, answers, unanswered or None))
+    record = to_json(StudyAnswers(study.title, answers, unanswered or None))
     statistics = {} if answered.result is None else answered.result.to_data()
     return {"title": study.title, **statistics, **record}
 
@@ -195,8 +187,8 @@ OUTPUTS: dict[str, str] = {
     "margins": "configured[torsionnet.linear.responses.loop_margins:LoopMargins]",
     "modes": "configured[torsionnet.linear.modes.modes:Modes]",
     "orders": "list[torsionnet.machinery.orders.orders_record:OrdersRecord]",
-    "periodic": "list[torsionnet.motion.periodic.periodic_result:PeriodicRecord]",
-    "sensitivity": "list[torsionnet.linear.sensitivity.sensitivities_of_modes:SensitivityRecord]",
+    "periodic": "configured[torsionnet.motion.periodic.periodic_result:PeriodicResponse]",
+    "sensitivity": "configured[torsionnet.linear.sensitivity.sensitivities_of_modes:ModeSensitivities]",
     "show": "list[torsionnet.app.cli.output:ShownModel]",
     "simulate": "list[torsionnet.motion.motion_summary:SimulatedMotion]",
     "spectrogram": "list[torsionnet.signals.spectra:Spectrogram]",

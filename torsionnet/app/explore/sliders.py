@@ -264,7 +264,7 @@ DIGITS = 12
 
 
 @dataclass(frozen=True)
-class PointRow:
+class PointSlider:
     """Entry of the operating point, or size of the load, that has a slider.
 
     Attributes
@@ -283,7 +283,7 @@ class PointRow:
     place: str = ""
 
 
-def point_rows(rig: Drivetrain) -> list[PointRow]:
+def point_rows(rig: Drivetrain) -> list[PointSlider]:
     """Rows for the operating point of a model in its configuration; none without laws of motion that follow it."""
     definition = rig.definition
     if definition.tangents is None or not any(
@@ -293,22 +293,22 @@ def point_rows(rig: Drivetrain) -> list[PointRow]:
     return list(_rows(definition))
 
 
-def _rows(definition: Definition) -> Iterator[PointRow]:
+def _rows(definition: Definition) -> Iterator[PointSlider]:
     """Rows for the torques, else the load, and the speeds of a model."""
     point, load = definition.operating_point, definition.load
     for name in LOAD_SIZES if load is not None else ():
         if getattr(load, name.partition(".")[2]) is not None:
-            yield PointRow(name, f"{name.partition('.')[2]} of the load at rated speed", name)
+            yield PointSlider(name, f"{name.partition('.')[2]} of the load at rated speed", name)
     for place in point.torque if load is None else ():
-        yield PointRow(setting_name(TORQUE, place), f"torque on {place}", TORQUE, place)
+        yield PointSlider(setting_name(TORQUE, place), f"torque on {place}", TORQUE, place)
     speeds = dict.fromkeys(point.speed)
     if load is not None and not speeds and definition.speeds is not None:
         speeds = {str(definition.speeds.of): None}
     for node in speeds:
-        yield PointRow(setting_name(SPEED, node), f"speed of {node}", SPEED, node)
+        yield PointSlider(setting_name(SPEED, node), f"speed of {node}", SPEED, node)
 
 
-def all_point_rows(rig: Drivetrain) -> list[PointRow]:
+def all_point_rows(rig: Drivetrain) -> list[PointSlider]:
     """Rows for the operating points of a model in any of its configurations, each once."""
     if not any(one.has_motion_laws for one in rig.definition.elements.values()):
         return []
@@ -317,11 +317,11 @@ def all_point_rows(rig: Drivetrain) -> list[PointRow]:
     for point in points if rig.definition.load is None else ():
         for place in point.torque if point else ():
             name = setting_name(TORQUE, place)
-            found.setdefault(name, PointRow(name, f"torque on {place}", TORQUE, place))
+            found.setdefault(name, PointSlider(name, f"torque on {place}", TORQUE, place))
     for point in points:
         for node in point.speed if point else ():
             name = setting_name(SPEED, node)
-            found.setdefault(name, PointRow(name, f"speed of {node}", SPEED, node))
+            found.setdefault(name, PointSlider(name, f"speed of {node}", SPEED, node))
     return list(found.values())
 
 
@@ -408,7 +408,7 @@ def point_sliders(plain: Drivetrain, changed: Drivetrain, values: Mapping[str, A
 
 
 def _point_slider(
-    row: PointRow, plain: Drivetrain, changed: Drivetrain, values: Mapping[str, Any], largest: float
+    row: PointSlider, plain: Drivetrain, changed: Drivetrain, values: Mapping[str, Any], largest: float
 ) -> Slider:
     own = _written(plain, row)
     derived = own is not None and bool(own.names)
@@ -436,12 +436,12 @@ def _point_slider(
     )
 
 
-def _written(rig: Drivetrain, row: PointRow) -> Expression | None:
+def _written(rig: Drivetrain, row: PointSlider) -> Expression | None:
     """Expression of an entry of the operating point; None where the model leaves it to its load, or to the page."""
     return getattr(rig.definition.operating_point, row.entry).get(row.place) if row.place else None
 
 
-def _value(rig: Drivetrain, row: PointRow) -> float:
+def _value(rig: Drivetrain, row: PointSlider) -> float:
     """Value of a row in SI; 0 of a torque or a speed that the model does not give in this configuration."""
     if not row.place:
         return float(getattr(rig.definition.load, row.name.partition(".")[2]))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from torsionnet.base.entries.scalars import read_scalar
 from torsionnet.base.entries.spec import EntryError
 from torsionnet.base.errors import UsageError
 from torsionnet.base.expressions import Number
+from torsionnet.base.result_rows import NUMBER_ROWS, Out
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import ActionLaw, FloatArray, RowSystem
 
@@ -41,11 +43,13 @@ class SystemMatrices:
         Hz, at which hysteretic and tabulated elements were taken.
     """
 
+    SHOWN: ClassVar = ("coordinates", "M", "C", "K")
+
     coordinates: tuple[str, ...]
     nodes: tuple[str, ...]
-    M: FloatArray
-    C: FloatArray
-    K: NDArray[np.float64] | NDArray[np.complex128]
+    M: Annotated[FloatArray, Out(schema=NUMBER_ROWS)]
+    C: Annotated[FloatArray, Out(schema=NUMBER_ROWS)]
+    K: Annotated[NDArray[np.float64] | NDArray[np.complex128], Out(schema=NUMBER_ROWS)]
     T: FloatArray
     frequency: float | None = None
 

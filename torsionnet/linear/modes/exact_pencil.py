@@ -45,7 +45,7 @@ ExactVector: TypeAlias = Mapping[int, Fraction]
 
 
 @dataclass(frozen=True)
-class DelayedRow:
+class DelayedTerms:
     """Delayed terms -N(s) e^(-s delay) L in one action's row of P(s), with rational coefficients.
 
     ``sensed`` is L, ``numerator`` N, ascending.
@@ -74,7 +74,7 @@ class ExactPencil:
 
     size: int
     undelayed: Mapping[tuple[int, int], tuple[Fraction, ...]]
-    delayed: tuple[DelayedRow, ...]
+    delayed: tuple[DelayedTerms, ...]
     _powers: dict[int, list[dict[int, Fraction]]] = field(default_factory=dict)
 
     @classmethod

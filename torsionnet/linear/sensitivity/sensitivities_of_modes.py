@@ -43,7 +43,7 @@ class ModeEffect:
 
 
 @dataclass(frozen=True, eq=False)
-class SensitivityRow:
+class ModeSlopes:
     """Effects (n_p,) of all parameters on one mode's frequency and damping ratio, in % per % and per SI unit."""
 
     mode: Annotated[int | None, Out(schema=MODE_NUMBER)]
@@ -53,18 +53,6 @@ class SensitivityRow:
     damping: Annotated[FloatArray, Out(json="damping_percent_per_percent")]
     d_frequency: FloatArray
     d_damping: FloatArray
-
-
-@dataclass(frozen=True, eq=False)
-class SensitivityRecord:
-    """Sensitivities of all modes in one configuration, as ``torsionnet sensitivity --json`` prints them."""
-
-    title: str
-    configuration: str
-    parameters: tuple[str, ...]
-    values: FloatArray
-    modes: tuple[SensitivityRow, ...]
-    words: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -88,6 +76,7 @@ class ModeSensitivities(SavedResult):
     """
 
     picture: ClassVar[str] = "tornado"
+    SHOWN: ClassVar = ("title", "parameters", "values", "modes", "remarks")
 
     parameters: tuple[str, ...]
     values: FloatArray
@@ -189,20 +178,22 @@ class ModeSensitivities(SavedResult):
             for name, numbers in zip(self.parameters, np.stack(effects, axis=1).tolist(), strict=True)
         ]
 
-    def record(self, configuration: str = "", modes: Sequence[int] = ()) -> SensitivityRecord:
-        """Effects on all modes, or on those with the given numbers, as plain data that JSON can hold."""
-        every = range(len(self.poles))
-        rows = tuple(
-            SensitivityRow(
+    @property
+    def modes(self) -> tuple[ModeSlopes, ...]:
+        """Effects of all parameters on each mode."""
+        return tuple(
+            ModeSlopes(
                 self.number(mode), float(self.natural_frequencies[mode]), float(self.damping_ratios[mode]),
                 self.relative_frequencies[mode], self.relative_dampings[mode],
                 self.frequency_slopes[mode], self.damping_slopes[mode],
             )
-            for mode in [mode for mode in every if self.number(mode) in modes] or every
+            for mode in range(len(self.poles))
         )  # fmt: skip
-        return SensitivityRecord(
-            self.title, configuration, self.parameters, self.values, rows, (*self.words(), *self.notes)
-        )
+
+    @property
+    def remarks(self) -> Annotated[tuple[str, ...], Out(json="words")]:
+        """Sentences on what moves each mode, and the notes."""
+        return (*self.words(), *self.notes)
 
 
 def _strongest(relative: FloatArray, names: Sequence[str], most: int) -> str:

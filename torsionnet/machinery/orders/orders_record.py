@@ -37,7 +37,7 @@ COMMON_CYCLE: Schema = {"type": ["integer", "null"], "description": "null where 
 
 
 @dataclass(frozen=True, eq=False)
-class OrderRow:
+class OrderOverSpeed:
     """Complex amplitudes of one order of an excitation over speed, in SI units of the output."""
 
     excitation: str
@@ -49,7 +49,7 @@ class OrderRow:
 
 
 @dataclass(frozen=True, eq=False)
-class OrderSumRow:
+class OrderSumOverSpeed:
     """Complex amplitudes of the sum of order lines of one frequency over speed, in SI units of the output."""
 
     lines: str
@@ -60,7 +60,7 @@ class OrderSumRow:
 
 
 @dataclass(frozen=True, eq=False)
-class OrderOutputRow:
+class OutputOverSpeed:
     """Half range, RMS and orders of one output over speed as plain data, in SI units of the output."""
 
     output: str
@@ -73,8 +73,8 @@ class OrderOutputRow:
     smallest_at: Annotated[
         Mapping[str, FloatArray] | None, Out(json="smallest_at_deg", optional=True, schema=NUMBERS_BY_NAME)
     ]
-    orders: tuple[OrderRow, ...]
-    sums: tuple[OrderSumRow, ...]
+    orders: tuple[OrderOverSpeed, ...]
+    sums: tuple[OrderSumOverSpeed, ...]
     measured: Annotated[tuple[ComparedOrder, ...] | None, Out(optional=True)]
 
 
@@ -87,7 +87,7 @@ class OrdersRecord:
     reference: Annotated[str, Out(json="speed_of")]
     speeds: Annotated[FloatArray, Out(json="speeds_rpm")]
     revolutions: Annotated[int | None, Out(json="common_cycle_revolutions", schema=COMMON_CYCLE)]
-    outputs: tuple[OrderOutputRow, ...]
+    outputs: tuple[OutputOverSpeed, ...]
 
 
 def orders_record(
@@ -106,19 +106,19 @@ def orders_record(
 
 def _output_row(
     run: OrderResponse, place: int, measured: Sequence[MeasuredOrder] | None, swept: Sequence[MeasuredOrder]
-) -> OrderOutputRow:
+) -> OutputOverSpeed:
     channel, worst = run.outputs[place], run if isinstance(run, WorstResponse) else None
     turning = worst if worst and worst.angles else None
     sums = ((total, run.values[:, list(total.places), place].sum(axis=1)) for total in sums_of_lines(run.lines))
     orders = ((line, run.values[:, number, place]) for number, line in enumerate(run.lines))
-    return OrderOutputRow(
+    return OutputOverSpeed(
         channel.name, channel.unit, run.half_range[:, place], run.rms[:, place],
         worst.cases(channel.name) if worst else None,
         {angle.engine: angle.degrees[:, place] for angle in turning.angles} if turning else None,
         turning.least.half_range[:, place] if turning else None,
         {angle.engine: angle.degrees[:, place] for angle in turning.least.angles} if turning else None,
         tuple(
-            OrderRow(line.excitation, line.order, line.fixed, float(line.relative), values.real, values.imag)
+            OrderOverSpeed(line.excitation, line.order, line.fixed, float(line.relative), values.real, values.imag)
             for line, values in orders
         ),
         tuple(OrderSumRow(total.name, total.fixed, total.order, values.real, values.imag) for total, values in sums),

@@ -102,7 +102,7 @@ class JudgedPoint:
 
 
 @dataclass(frozen=True, eq=False)
-class CriticalRecord:
+class JudgedCritical:
     """Critical speed with the vibration that its order, and all orders, make in the component that it uses most.
 
     Attributes
@@ -186,7 +186,7 @@ class ConditionPeaks:
         At the speeds of the peaks and at rated speed; ``check`` itself where these were not calculated.
     rated : int or None
         Index of the rated speed in ``points``; None where it is not in the range.
-    criticals : tuple of CriticalRecord
+    criticals : tuple of JudgedCritical
         By mode and speed.
     sums : tuple of SumPeak
         By limit and speed.
@@ -195,7 +195,7 @@ class ConditionPeaks:
     check: LimitCheck
     points: LimitCheck
     rated: int | None
-    criticals: tuple[CriticalRecord, ...]
+    criticals: tuple[JudgedCritical, ...]
     sums: tuple[SumPeak, ...]
 
 
@@ -275,11 +275,11 @@ def _record(
     critical: CriticalSpeed,
     peaks: Sequence[OrderPeak],
     line: int,
-) -> CriticalRecord:
+) -> JudgedCritical:
     """Record of a critical speed in the limit that its order uses most."""
     speed = next(_speeds(check, critical, peaks, line), None)
     if speed is None:
-        return CriticalRecord(critical, None, None, line, False)
+        return JudgedCritical(critical, None, None, line, False)
     at = _index(points, speed)
     if peaks:
         best = max(peaks, key=lambda peak: peak.share).verdict
@@ -288,7 +288,7 @@ def _record(
         verdict = max(vibratory_verdicts(points), key=lambda judged: _share(points, judged, at, line))
     rest = None if rated is None else JudgedPoint(points, verdict, rated)
     point = JudgedPoint(points, verdict, at)
-    return CriticalRecord(critical.in_case(point.case), point, rest, line, bool(peaks))
+    return JudgedCritical(critical.in_case(point.case), point, rest, line, bool(peaks))
 
 
 def _share(points: LimitCheck, verdict: LimitVerdict, at: int, line: int) -> float:
@@ -394,8 +394,8 @@ SAME_PLACE = 0.01
 
 
 def little_damped(
-    worst: Sequence[WorstLimit], records: Sequence[CriticalRecord]
-) -> tuple[tuple[WorstLimit, CriticalRecord], ...]:
+    worst: Sequence[WorstLimit], records: Sequence[JudgedCritical]
+) -> tuple[tuple[WorstLimit, JudgedCritical], ...]:
     """Limits whose worst speed is at a resonance with a damping ratio below ``LITTLE_DAMPING``, each with that peak.
 
     Limits used by less than ``LEAST_USE`` are left out, and orders that use less than ``LEAST_SHARE`` of the limit.

@@ -117,6 +117,7 @@ class PeriodicResponse(SavedResult):
     """
 
     picture: ClassVar[str] = "periodic_response"
+    SHOWN: ClassVar = ("title", "rows", "shown_jumps", "sentences")
 
     over: Literal["frequency", "speed"]
     reference: str
@@ -206,7 +207,7 @@ class PeriodicResponse(SavedResult):
         return result_table(title, self.rows, PeriodicRow, conventions=conventions, notes=self.sentences)
 
     @property
-    def rows(self) -> tuple[PeriodicRow, ...]:
+    def rows(self) -> Annotated[tuple[PeriodicRow, ...], Out(json="motions")]:
         """Rows of all motions, one for each output."""
         return tuple(self._rows())
 
@@ -224,7 +225,12 @@ class PeriodicResponse(SavedResult):
                 )  # fmt: skip
 
     @property
-    def sentences(self) -> tuple[str, ...]:
+    def shown_jumps(self) -> Annotated[tuple[Jump, ...], Out(json="jumps")]:
+        """Jumps of slow sweeps with their places in Hz or rpm."""
+        return tuple(Jump(way, self.shown(at), self.unit) for way, at in self.jumps)
+
+    @property
+    def sentences(self) -> Annotated[tuple[str, ...], Out(json="notes")]:
         """Notes with how each branch was found and where sweeps jump."""
         ways = [f"branch {number + 1}: {way}" for number, way in enumerate(self.ways)]
         return (*ways, *self.jump_sentences, *self.notes)
@@ -248,20 +254,3 @@ class Jump:
     sweep: str
     at: float
     unit: str
-
-
-@dataclass(frozen=True, eq=False)
-class PeriodicRecord:
-    """Periodic motions of one configuration, as ``torsionnet periodic --json`` prints them."""
-
-    configuration: str
-    title: str
-    motions: tuple[PeriodicRow, ...]
-    jumps: tuple[Jump, ...]
-    notes: tuple[str, ...]
-
-    @classmethod
-    def of(cls, response: PeriodicResponse, configuration: str) -> PeriodicRecord:
-        """Record of a periodic response."""
-        jumps = tuple(Jump(way, response.shown(at), response.unit) for way, at in response.jumps)
-        return cls(configuration, response.title, response.rows, jumps, response.sentences)

@@ -19,7 +19,7 @@ from torsionnet.motion.contact_form import ContactForm
 from torsionnet.motion.contact_states import Contact, ContactStates, relative_state
 from torsionnet.motion.driving import Driving, Stretch
 from torsionnet.motion.march_tables import guard_rows, in_steps
-from torsionnet.motion.motion_plant import Drive, LawRow, Layout, Phase, PlacedLaw
+from torsionnet.motion.motion_plant import Drive, LawOverCoordinates, Layout, Phase, PlacedLaw
 from torsionnet.motion.motion_record import reading_rows
 from torsionnet.motion.motion_works import remembered_energies
 from torsionnet.motion.smooth_laws import SmoothLaw, SplitPlant
@@ -168,7 +168,7 @@ def _readings(
         if smooth.held >= 0:
             torques[smooth.held] = torques[smooth.held] + ones[place]
     mine = [(place, smooth) for place, smooth in zip(places, laws, strict=True) if smooth.held < 0]
-    rows = (LawRow(smooth.owner, smooth.law, smooth.number, smooth.row) for _, smooth in mine)
+    rows = (LawOverCoordinates(smooth.owner, smooth.law, smooth.number, smooth.row) for _, smooth in mine)
     whole = replace(plant, laws=(*plant.laws, *rows))
     read = replace(bare, torques=np.array([*torques, *(ones[place] for place, _ in mine)]).reshape(-1, at.size))
     return reading_rows(whole, readings, inputs, read, at)

@@ -241,7 +241,7 @@ OverPoints: TypeAlias = Annotated[Any, Out(schema=NUMBER_OR_CURVE)]
 
 
 @dataclass(frozen=True, eq=False)
-class QuantityRow:
+class QuantityStatistics:
     """Statistics in SI of a quantity over all variants of one configuration, as they are written to JSON."""
 
     quantity: str
@@ -271,14 +271,14 @@ class Summary:
         """Percentiles (n_shares, n_points) in SI at shares in per cent, within 0.2 % of themselves."""
         return self.histogram.percentiles(shares, len(self.measure.points))
 
-    def row(self, name: str, configuration: str, percentiles: FloatArray) -> QuantityRow:
+    def row(self, name: str, configuration: str, percentiles: FloatArray) -> QuantityStatistics:
         """Statistics of the quantity in SI as plain data for JSON, with percentiles (n_shares, n_points)."""
         moments, is_curve = self.moments, self.measure.is_curve
 
         def shown(array: Any) -> Any:
             return array if is_curve else array[0]
 
-        return QuantityRow(
+        return QuantityStatistics(
             name, configuration, self.measure.unit,
             self.measure.over if is_curve else None, self.measure.points if is_curve else None,
             shown(moments.count), shown(moments.mean), shown(moments.deviation), shown(moments.smallest),

@@ -66,7 +66,6 @@ class PeriodicCommand(ModelCommand):
 
     def answer(self) -> Answer:
         from torsionnet.base.conventions import Conventions
-        from torsionnet.motion.periodic.periodic_result import PeriodicRecord
 
         conventions = Conventions(angle=self.angle)
         over = self._driven()

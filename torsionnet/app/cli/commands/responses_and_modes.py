@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -225,7 +225,7 @@ class SensitivityCommand(ModelCommand):
         pairs = list(zip(cases, results, strict=True))
         return Answer(
             screen=lambda: [self.combined_table(cases, short)],
-            data=lambda: [effects.record(case.configuration, self.modes) for case, effects in pairs],
+            data=lambda: [_chosen_data(case.data(effects), self.modes) for case, effects in pairs],
             csv=lambda: [("", self.combined_table(cases, tables))],
             figures=lambda plot: [
                 (case.configuration, plot.tornado(sensitivities, mode=list(self.modes) or None))
