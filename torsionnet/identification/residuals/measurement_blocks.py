@@ -222,7 +222,7 @@ def _response(
 ) -> ParametricResponse:
     output, into = measurement.model_output or measurement.output, measurement.model_input or measurement.input
     response = parametric_response(rig, output, into, frequencies, parameters, driven_by=measurement.excitation)
-    theirs = (response.request.outputs[0].unit, response.request.measured[0].unit)
+    theirs = (response.request.outputs[0].unit, response.request.inputs[0].unit)
     if all(channel.unit == UNSTATED_UNIT for channel in channels):
         if theirs[0] != theirs[1]:
             pair = f"{channels[0].name}/{channels[1].name} is a ratio of like signals in the data"

@@ -95,8 +95,8 @@ def between_samples(
         return response
     folding, request = Folding(course, lines), response.request
     if request.is_measured:
-        every = (*request.outputs, *request.measured)
-        request = replace(request, outputs=every, measured=(), is_measured=False)
+        every = (*request.outputs, *request.inputs)
+        request = replace(request, outputs=every, inputs=(), is_measured=False)
     driven = replace(response, request=request, frequencies=folding.frequencies, _known=[])
     divisor = np.ones(len(lines), dtype=complex) if stated is None else stated.share(lines)
     return SampledResponse(response, driven, folding, divisor)
