@@ -44,7 +44,7 @@ def test_a_recorded_law_holds_for_other_values(kind, coefficient):
         for values in (PRESENT, OTHERS)
     )
     assert float(number) == pytest.approx(float(present), rel=1e-14)
-    assert number.program.run(Numbers(), [number])[0] == pytest.approx(float(others), rel=1e-14)
+    assert number.program.values_in(Numbers(), [number])[0] == pytest.approx(float(others), rel=1e-14)
 
 
 @pytest.mark.parametrize("coefficient", ["stiffness", "damping"])

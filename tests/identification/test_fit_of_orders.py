@@ -33,7 +33,7 @@ def test_orders_of_the_model_are_those_of_dense_matrices():
     rig = engine_model()
     names = ["k_cpl", ENGINE, "engine.gas.correction.3.imag", "engine.gas.harmonics.0.5.amplitude"]
     asked = ParametricOrders.of(rig, "T_crank", orders, np.tile(SPEEDS, len(HARMONICS)), names)
-    found = asked.at([5.5e3, 0.3, 0.2, 5.2e5]).values[:, 0, 0]
+    found = asked.evaluation([5.5e3, 0.3, 0.2, 5.2e5]).values[:, 0, 0]
     exact = dense_orders("T_crank", {4: 0.3}, {3.0: 1 + 0.2j}, k_cpl=5.5e3).ravel()
     assert np.abs(found - exact).max() < 1e-9 * np.abs(exact).max()
 
@@ -41,7 +41,7 @@ def test_orders_of_the_model_are_those_of_dense_matrices():
 def test_derivatives_of_orders_are_differences_of_dense_matrices():
     orders = np.repeat(list(HARMONICS), len(SPEEDS))
     asked = ParametricOrders.of(engine_model(), "T_cpl", orders, np.tile(SPEEDS, len(HARMONICS)), ["k_cpl", ENGINE])
-    slopes = asked.at([K_COUPLING, 0.3]).jacobian[:, 0, 0]
+    slopes = asked.evaluation([K_COUPLING, 0.3]).jacobian[:, 0, 0]
     h = 1e-5 * K_COUPLING
     ends = [dense_orders(misfire={4: 0.3}, k_cpl=K_COUPLING + sign * h).ravel() for sign in (1, -1)]
     by_stiffness = (ends[0] - ends[1]) / (2 * h)

@@ -217,7 +217,7 @@ class TestRefused:
             lambda rig: rig.holzer_table(1),
             lambda rig: rig.mean_response("torque(shaft)"),
             lambda rig: rig.modes(measured_input="w"),
-            lambda rig: parametric_response(rig, "w", "T", [1.0], ["g"]).at([-2.0]),
+            lambda rig: parametric_response(rig, "w", "T", [1.0], ["g"]).evaluation([-2.0]),
         ],
     )
     def test_in_words(self, ask):

@@ -67,7 +67,7 @@ def test_response_of_a_table_times_a_parameter():
 
 
 def test_derivative_of_a_response_to_its_parameter():
-    found = parametric_response(rig(), "a", "a", F, ["n"]).at([2.0])
+    found = parametric_response(rig(), "a", "a", F, ["n"]).evaluation([2.0])
     change = (expected(2 + 1e-5, F) - expected(2 - 1e-5, F)) / 2e-5
     np.testing.assert_allclose(found.jacobian[:, 0, 0, 0], change, rtol=1e-8)
 

@@ -218,7 +218,7 @@ class TestZero:
 
                 point = mpmath.mpmathify(s)
                 value, slope = complex(exact(point)), complex(mpmath.diff(exact, point, h=mpmath.mpf(10) ** -30))
-            assert one.at(s) == pytest.approx(value, rel=1e-12)
+            assert one.value_at(s) == pytest.approx(value, rel=1e-12)
             assert one.derivative(s) == pytest.approx(slope, rel=1e-9)
 
 

@@ -132,7 +132,7 @@ class TestImposedAngles:
         """Values and derivative with respect to k, of k = 1.7e7, tau = 2 and J = 0.1."""
         gear = tn.Gear("g", nodes=("a", "b"), ratio=2, stiffness=1.7e7)
         rig = tn.Drivetrain("rig", [gear, tn.Inertia("J", node="b", inertia=0.1)], inputs={"phi": {"angle": "a"}})
-        found = parametric_response(rig, "torque(g)", "phi", LOW, ["g.stiffness"]).at([1.7e7])
+        found = parametric_response(rig, "torque(g)", "phi", LOW, ["g.stiffness"]).evaluation([1.7e7])
         m, k = 0.1 * (2 * np.pi * LOW) ** 2, 1.7e7
         np.testing.assert_allclose(found.values[:, 0, 0], -k * m / (4 * k - m), rtol=1e-12)
         np.testing.assert_allclose(found.jacobian[:, 0, 0, 0], (m / (4 * k - m)) ** 2, rtol=1e-9)

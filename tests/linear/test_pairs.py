@@ -277,7 +277,7 @@ class TestDerivatives:
         rig = plant(inputs, READ)
         response = parametric_response(rig, list(READ), "T_E", F, self.NAMES)
         start = response.start
-        found = response.at(start)
+        found = response.evaluation(start)
         assert found.values == pytest.approx(rig.frequency_response(list(READ), "T_E", F).values, rel=1e-9)
         for place, name in enumerate(self.NAMES):
             h = 1e-5 * start[place]

@@ -101,7 +101,7 @@ def test_numbers_symbols_and_derivatives_read_the_same(seed):
     sensors = list(every_sensor(drivetrain))
     system = drivetrain.symbolic()
     response = parametric_response(drivetrain, sensors, driven, F, [name])
-    numbers, derived = drivetrain.frequency_response(sensors, driven, F).values, response.at(response.start)
+    numbers, derived = drivetrain.frequency_response(sensors, driven, F).values, response.evaluation(response.start)
     with mpmath.workdps(60):
         value = drivetrain.exact_values[name]
         for point, f in enumerate(F):

@@ -212,7 +212,7 @@ class TestValues:
     def test_derivative_to_the_ratio_sees_it(self):
         """The torque at the crank does not depend on tau, so that the real one grows with it."""
         rig = line(referred_to="crank")
-        found = parametric_response(rig, "T_s", "T", F, ["tau", "k"]).at([TAU, GIVEN["k"]])
+        found = parametric_response(rig, "T_s", "T", F, ["tau", "k"]).evaluation([TAU, GIVEN["k"]])
         expected = response(2j * np.pi * F, GIVEN["k"], GIVEN["c"], GIVEN["J"], TAU)
         assert found.jacobian[:, 0, 0, 0] == pytest.approx(expected / TAU, rel=1e-9)
         h = 1e-3
@@ -406,7 +406,7 @@ class TestReadings:
         assert measured == pytest.approx(TAU * rig.frequency_response("a", "T_s", F).values[:, 0, 0], rel=1e-10)
         symbols = rig.symbolic().transfer_function("a", output).evaluate(F).values[:, 0, 0]
         assert symbols == pytest.approx(measured, rel=1e-9)
-        found = parametric_response(rig, output, "T", F, ["tau"]).at([TAU])
+        found = parametric_response(rig, output, "T", F, ["tau"]).evaluation([TAU])
         h = 1e-5
         ends = [rig.configured(tau=TAU + d).frequency_response(output, "T", F).values for d in (h, -h)]
         assert found.jacobian[..., 0] == pytest.approx((ends[0] - ends[1]) / (2 * h), rel=1e-6)

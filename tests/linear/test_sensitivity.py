@@ -55,7 +55,7 @@ def slopes(function, values, names, s):
 def test_derivatives_of_the_papers_equations(rig, values, function, against):
     names = [name for name in values if not (against == "T_T" and name in ("c_M", "I_1" if rig == "dmf_rig" else ""))]
     response = parametric_response(tn.load(rig).configured(**values), "theta_1", against, F, names)
-    found = response.at(response.start)
+    found = response.evaluation(response.start)
     for line, f in enumerate(F):
         s = 2j * mp.pi * mp.mpf(float(f))
         exact = {name: mp.mpf(str(value)) for name, value in values.items()}
@@ -71,7 +71,7 @@ def test_ratio_in_readings_too():
     rig = tn.load("amt_rig").configured("III")
     outputs = ["torque(gearbox, output_shaft)", "torque(gearbox)", "velocity(output_shaft)", "twist(half_shaft)"]
     response = parametric_response(rig, outputs, "T_M", F, ["tau", "k_2", "c_O"])
-    found = response.at(response.start)
+    found = response.evaluation(response.start)
     torque_out, torque_in, speed, twist = (found.jacobian[:, i, 0] for i in range(4))
     values = found.values[:, :, 0]
     tau = 5.42
@@ -92,7 +92,7 @@ def test_numbers_of_elements_without_a_name():
     response = parametric_response(rig, "a", "a", F, ["shaft.stiffness", "rotor.inertia", "shaft.damping"])
     s = 2j * np.pi * F
     H = 1 / (0.1 * s**2 + s + 400)
-    found = response.at([400, 0.1, 1])
+    found = response.evaluation([400, 0.1, 1])
     assert np.allclose(found.jacobian[:, 0, 0], -(H**2)[:, None] * np.column_stack([np.ones(6), s**2, s]), rtol=1e-9)
 
 
@@ -119,8 +119,8 @@ def test_random_drivetrains_against_differences_of_the_solver(blueprint, data):
         return
     x = response.start
     step = 1e-4 * abs(x) + 1e-7
-    found = response.at(x)
-    high, low = (response.at(x + sign * step).values for sign in (1, -1))
+    found = response.evaluation(x)
+    high, low = (response.evaluation(x + sign * step).values for sign in (1, -1))
     expected = (high - low) / (2 * step)
     size = np.abs(found.values).max() / max(abs(x[0]), 1e-3)
     curved = np.abs(high + low - 2 * found.values).max() / step[0]
@@ -150,7 +150,7 @@ def test_zero_frequency_is_refused_and_infinite_values_are_told():
     with pytest.raises(UsageError, match="above 0"):
         parametric_response(rig, "theta_1", "T_T", [0.0, 1.0], ["c_2"])
     with pytest.raises(SolveError, match="not-finite"):
-        parametric_response(rig, "theta_1", "T_T", [1.0], ["k_2"]).at([np.nan])
+        parametric_response(rig, "theta_1", "T_T", [1.0], ["k_2"]).evaluation([np.nan])
 
 
 # Modes
@@ -336,7 +336,7 @@ def test_what_poles_are_not_derived_for():
 def test_values_at_which_the_drivetrain_cannot_be_calculated():
     response = parametric_response(one_mass(J=1, k=1, c=1), "a", "a", [1.0], ["q"])
     with pytest.raises(SolveError, match="no-solution"):
-        response.at([0.0])
+        response.evaluation([0.0])
 
 
 def test_modes_have_the_numbers_of_their_table():
@@ -435,7 +435,7 @@ def test_responses_of_stiff_and_free_chains_at_low_frequency(name, loss):
     rig, values = chain(*CHAINS[name], loss)
     f = np.array([1e-7, 1e-3, 0.3, 7.0])
     found = parametric_response(rig, ["n5", "torque(shaft_2)", "torque(shaft_2, n3)"], "n0", f, list(values))
-    got = found.at(found.start)
+    got = found.evaluation(found.start)
     with mp.workdps(80):
         for line, frequency in enumerate(f.tolist()):
             s = 2j * mp.pi * mp.mpf(frequency)

@@ -105,7 +105,7 @@ def test_responses_and_derivatives_have_the_operating_point_of_their_values():
     start, names = [60.0, 2.0, 150.0, 900.0, 400.0], ["T", "i", "k", "k3", "ks"]
     asked = parametric_response(geared(*start), "torque(disc)", "a", FREQUENCIES, names)
     for values in (start, [140.0, 1.5, 120.0, 2000.0, 500.0]):
-        found = asked.at(values)
+        found = asked.evaluation(values)
         np.testing.assert_allclose(found.values[:, 0, 0], response(*values), rtol=1e-10)
         np.testing.assert_allclose(found.jacobian[:, 0, 0].T, slopes_of(response, values), rtol=1e-6, atol=1e-9)
 
@@ -126,5 +126,5 @@ def test_a_fit_moves_the_stage_with_the_torque():
     asked = parametric_response(plant(20.0), "b", "a", FREQUENCIES, ["T"])
     for torque in (20.0, 55.0, 90.0):
         own = plant(torque).frequency_response("b", "a", FREQUENCIES).values
-        np.testing.assert_allclose(asked.at([torque]).values, own, rtol=1e-10)
-        assert not asked.at([torque]).jacobian.any()
+        np.testing.assert_allclose(asked.evaluation([torque]).values, own, rtol=1e-10)
+        assert not asked.evaluation([torque]).jacobian.any()

@@ -82,7 +82,7 @@ class TestWhereTheSectionIsAParameter:
         low, high = (rig.configured(d=0.1 + s).frequency_response("tau", "T", f).values[:, 0, 0] for s in (-step, step))
         response = parametric_response(rig, "tau", "T", f, ["d"])
         for start in (0.12, 0.1):
-            found = response.at([start])
+            found = response.evaluation([start])
         assert found.values[:, 0, 0] == pytest.approx((high + low) / 2, rel=1e-9)
         assert found.jacobian[:, 0, 0, 0] == pytest.approx((high - low) / (2 * step), rel=1e-5)
 

@@ -133,7 +133,7 @@ class TestLevels:
         slopes = levels.slopes(values, points)
         for place in range(2):
             step = np.where(np.arange(2) == place, 1e-3 * values, 0)
-            change = levels.at(values + step, points) - levels.at(values - step, points)
+            change = levels.sizes_at(values + step, points) - levels.sizes_at(values - step, points)
             np.testing.assert_allclose(slopes[:, place], change / (2 * step[place]), rtol=1e-4)
 
 
@@ -226,7 +226,7 @@ def test_several_films_of_one_plant():
     found = plant.damper_design("torque(shaft)", wanted, input="T", band=(5, 100))
     response = parametric_response(plant, "torque(shaft)", "T", np.linspace(12, 32, 200), list(wanted))
     lattice = [(one, two) for one in np.linspace(24, 30, 13) for two in np.linspace(20, 26, 13)]
-    levels = [np.abs(response.at(films).values).max() for films in lattice]
+    levels = [np.abs(response.evaluation(films).values).max() for films in lattice]
     assert found.after.level == pytest.approx(min(levels), rel=1e-3)
     assert tuple(found.values.values()) == pytest.approx(lattice[int(np.argmin(levels))], abs=1.5)  # the valley is flat
 

@@ -386,7 +386,7 @@ def test_derivatives_of_poles():
 
 def test_derivatives_of_responses():
     f = np.array([5.0, 150.0, 700.0])
-    found = parametric_response(parametric(), "a", "b", f, ["D", "L", "eta"]).at([D, L, 0.02])
+    found = parametric_response(parametric(), "a", "b", f, ["D", "L", "eta"]).evaluation([D, L, 0.02])
     for place, name in enumerate(["D", "L", "eta"]):
         value = {"D": D, "L": L, "eta": 0.02}[name]
         step = 1e-5 * value

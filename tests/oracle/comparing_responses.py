@@ -150,7 +150,7 @@ def parametric(context: Context, chance: random.Random) -> Call | None:
 
     def call(asked: Asked, f: Sequence[float]) -> Any:
         found = parametric_response(context.drivetrain, asked.outputs, asked.inputs, f, chosen, **asked.excited)
-        return found.at(found.start).values
+        return found.evaluation(found.start).values
 
     return call
 

@@ -363,7 +363,7 @@ class TestSensitivitiesAndTolerances:
         )  # fmt: skip
         response = parametric_response(model, "a", "a", np.array([4.0]), ["k"])
         twist = complex(values(model, "twist(k_a_b)", "a", [4.0]))
-        found = response.at(response.start).jacobian.item()
+        found = response.evaluation(response.start).jacobian.item()
         assert found == pytest.approx(-(twist**2), rel=1e-10)
 
     def test_10_3_and_10_4_derivative_of_a_natural_frequency(self):

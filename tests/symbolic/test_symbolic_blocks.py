@@ -89,7 +89,7 @@ class Draw:
         return sympy.Matrix([row.get(name, 0) for name in self.names])
 
     def run(self, node):
-        return node.program.run(NumericValues(self.values, lambda value: value, Fraction(0)), [node])[0]
+        return node.program.values_in(NumericValues(self.values, lambda value: value, Fraction(0)), [node])[0]
 
 
 def assert_exact(drawn):

@@ -305,7 +305,7 @@ def to_mass_elastic(drivetrain: Drivetrain, *, referred_to: str | None = None) -
     writer = csv.writer(text, lineterminator="\n")
     words = {"J": "J referred", "k": "k referred", "by": " referred"} if referred else {"J": "J", "k": "k", "by": ""}
     writer.writerow([heading.format(**words) for heading in _COLUMNS])
-    order, held, others = _laid_out(graph)
+    order, held, others = _in_sheet_order(graph)
     for node in order:
         writer.writerow(_mass_row(graph, node, held.get(node), referred))
     for link in others:
@@ -319,7 +319,7 @@ def write_mass_elastic(drivetrain: Drivetrain, path: str | os.PathLike[str], *, 
     write_text(path, to_mass_elastic(drivetrain, referred_to=referred_to))
 
 
-def _laid_out(graph: MassElasticGraph) -> tuple[list[str], dict[str, Connection], list[Connection]]:
+def _in_sheet_order(graph: MassElasticGraph) -> tuple[list[str], dict[str, Connection], list[Connection]]:
     """Nodes in the order of a sheet's rows, the connection written in each row, and connections left over.
 
     Along the main line a row has the shaft to the next one; in a branch, the one back to where it comes from.

@@ -233,7 +233,7 @@ def contact_form(plant: MotionPlant, laws: Sequence[LawPhases], contact: Sequenc
         )
     loads = _loads(plant, rows, phases, laws, drive, K, C, held)
     form, heavy, basis = _form(plant, holds, _coefficients(plant, phases), held, loads)
-    return _over_z(plant, _Parts(phases, laws, holds, held, form, heavy, basis, (M, C, K), rows, drive))
+    return _form_over_state(plant, _Parts(phases, laws, holds, held, form, heavy, basis, (M, C, K), rows, drive))
 
 
 @dataclass(frozen=True, eq=False)
@@ -341,7 +341,7 @@ def _kinds(system: RowSystem) -> tuple[tuple[FloatArray, FloatArray, FloatArray]
     return kinds, np.linalg.inv(np.hstack(kinds)), unresisted_motions(system, resisted).basis()
 
 
-def _over_z(plant: MotionPlant, parts: _Parts) -> ContactForm:
+def _form_over_state(plant: MotionPlant, parts: _Parts) -> ContactForm:
     form, drive, held, rows = parts.form, parts.drive, parts.held, parts.rows
     n_q = form.X.shape[0]
     inverse, n_a, n_b = parts.basis

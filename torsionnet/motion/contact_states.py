@@ -316,7 +316,7 @@ class ContactStates:
         loose = phase.side * phase.at(twist, rate) < 0 and phase.kind == "slope"
         return law.of_piece(place, "free") if loose else number
 
-    def after(self, contact: Contact, guard: int, z: FloatArray, time: float) -> tuple[Contact, bool]:
+    def state_after(self, contact: Contact, guard: int, z: FloatArray, time: float) -> tuple[Contact, bool]:
         """Contact state after an event at a state z in steps, and whether that always follows on this event.
 
         Raises

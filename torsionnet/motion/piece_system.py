@@ -103,7 +103,7 @@ class PieceMotion:
                 # The next contact state is not known yet: it follows from the state at the event.
                 z = self._refreshed(states.contacts[state[0]], self._z(p, int(state[1]), f))
                 time = self.begins + (int(state[1]) + f) * states.h
-                contact, always = states.after(states.contacts[state[0]], guard, z, time)
+                contact, always = states.state_after(states.contacts[state[0]], guard, z, time)
                 known = states.number(contact)
                 if always:
                     states.following[state[0], guard] = known

@@ -194,7 +194,7 @@ def _expression(step: tuple[Any, ...], known: dict[int, Any]) -> Any:
 def where_table(function: SymbolicFraction) -> WhereTable:
     """Straight-line program of a transfer function in single operations, numerator over denominator."""
     program = Program()
-    above, below = function.steps.run(Lowered(program), function.outputs)
+    above, below = function.steps.values_in(Lowered(program), function.outputs)
     return WhereTable(program, above / below)
 
 

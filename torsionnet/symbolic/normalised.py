@@ -175,9 +175,9 @@ def _factors(function: SymbolicFraction, node: ProgramNode) -> tuple[Any, int, t
 
 def _irreducible(function: SymbolicFraction, index: int) -> list[tuple[list[Any], int]]:
     """Irreducible factors of one program step, each as coefficients in ascending powers of s and a power."""
-    (polynomial,) = function.steps.run(InPowersOfS(Program().leaf), [function.steps.at(index)])
+    (polynomial,) = function.steps.values_in(InPowersOfS(Program().leaf), [function.steps.at(index)])
     coefficients = [sympy.Integer(0) if surely_zero(value) else to_expression(value) for value in polynomial]
-    (count,) = function.steps.run(TermCounts(), [function.steps.at(index)])
+    (count,) = function.steps.values_in(TermCounts(), [function.steps.at(index)])
     whole = in_s(coefficients)
     if count > MOST_TERMS or len(coefficients) < 3 or whole.has(sympy.I):
         return [(coefficients, 1)]
@@ -262,7 +262,7 @@ class Expanded:
 
 def predicted_terms(function: SymbolicFraction) -> int:
     """Upper bound of the number of terms of a transfer function's numerator and denominator, multiplied out."""
-    return int(sum(function.steps.run(TermCounts(), function.outputs)))
+    return int(sum(function.steps.values_in(TermCounts(), function.outputs)))
 
 
 def expanded(function: SymbolicFraction, cap: int) -> Expanded:
@@ -276,5 +276,5 @@ def expanded(function: SymbolicFraction, cap: int) -> Expanded:
         )
     program, outputs = function.steps, function.outputs
     algebra = monomials_for(program.payloads(outputs))
-    above, below = program.run(algebra, outputs)
+    above, below = program.values_in(algebra, outputs)
     return Expanded(above, below, algebra)

@@ -142,11 +142,11 @@ def rational(function: SymbolicFraction) -> Rational:
     """Polynomial form of a transfer function, its coefficients multiplied out if short, else nested."""
     program, outputs = function.steps, function.outputs
     # Short ones are multiplied out as a whole, else only in powers of s, and each coefficient by itself.
-    if sum(program.run(TermCounts(), outputs)) <= MOST_TERMS_EXPANDED_WHOLE or len(function.free_symbols) <= 6:
+    if sum(program.values_in(TermCounts(), outputs)) <= MOST_TERMS_EXPANDED_WHOLE or len(function.free_symbols) <= 6:
         algebra = monomials_for(program.payloads(outputs))
-        above, below = program.run(algebra, outputs)
+        above, below = program.values_in(algebra, outputs)
         return Rational(ExpandedCoefficients(above, below, algebra))
-    return Rational(ProgramCoefficients(*program.run(InPowersOfS(Program().leaf), outputs)))
+    return Rational(ProgramCoefficients(*program.values_in(InPowersOfS(Program().leaf), outputs)))
 
 
 @dataclass(frozen=True)
@@ -195,15 +195,15 @@ def to_expression(node: Any) -> Any:
 def to_expressions(nodes: Sequence[ProgramNode]) -> list[Any]:
     """Sympy expressions of several results of one program, each multiplied out if short, else nested."""
     program = nodes[0].program
-    counts = program.run(TermCounts(), nodes)
+    counts = program.values_in(TermCounts(), nodes)
     short = [node for node, terms in zip(nodes, counts, strict=True) if terms <= MOST_EXPANDED_COEFFICIENT_TERMS]
     long = [node for node, terms in zip(nodes, counts, strict=True) if terms > MOST_EXPANDED_COEFFICIENT_TERMS]
     algebra = monomials_for(program.payloads(short))
     written = {
         node.index: algebra.expression(part.terms, part.scale**part.depth)
-        for node, part in zip(short, program.run(algebra, short), strict=True)
+        for node, part in zip(short, program.values_in(algebra, short), strict=True)
     }
-    written |= zip((node.index for node in long), program.run(RawExpressions(), long), strict=True)
+    written |= zip((node.index for node in long), program.values_in(RawExpressions(), long), strict=True)
     return [written[node.index] for node in nodes]
 
 
@@ -223,11 +223,11 @@ form that is written out, as more fill pages and take minutes."""
 def require_readable(function: SymbolicFraction) -> None:
     """Raise an error if the coefficients of a transfer function's polynomial form have too many symbols and numbers."""
     outputs = function.outputs
-    if sum(function.steps.run(TermCounts(), outputs)) <= MOST_TERMS_EXPANDED_WHOLE:
+    if sum(function.steps.values_in(TermCounts(), outputs)) <= MOST_TERMS_EXPANDED_WHOLE:
         return
-    polynomials = function.steps.run(InPowersOfS(Program().leaf), outputs)
+    polynomials = function.steps.values_in(InPowersOfS(Program().leaf), outputs)
     nodes = [value for polynomial in polynomials for value in polynomial if isinstance(value, ProgramNode)]
-    leaves = sum(nodes[0].program.run(Lengths(), nodes)) if nodes else 0
+    leaves = sum(nodes[0].program.values_in(Lengths(), nodes)) if nodes else 0
     if leaves > MOST_WRITTEN:
         raise UsageError(
             f'the coefficients would be written with {leaves:,} elements and numbers; ask for "program"',
@@ -308,7 +308,7 @@ def _at(function: SymbolicFraction, frequencies: FloatArray, values: Mapping[Any
     known |= {name: Scaled.of(table.kappa(omega)) for name, table in _tables(function, values).items()}
     known |= {sympy.I: Scaled.of(1j)}
     algebra = NumericValues(known, Scaled.rational, Scaled.of(1j * omega))
-    above, below = function.steps.run(algebra, function.outputs)
+    above, below = function.steps.values_in(algebra, function.outputs)
     ratio = above / below
     response = np.array(np.broadcast_to(ratio.array(), frequencies.shape))
     # Where terms cancel the bound of rounding grows, and more digits are needed.
@@ -331,7 +331,7 @@ def _in_many_digits(function: SymbolicFraction, omega: float, values: Mapping[An
             known = {name: number(value) for name, value in values.items()}
             known |= {name: table.in_many_digits(mpmath.mpc(0, omega)) for name, table in tables.items()}
             algebra = NumericValues(known | {sympy.I: mpmath.mpc(0, 1)}, number, mpmath.mpc(0, omega))
-            above, below = function.steps.run(algebra, function.outputs)
+            above, below = function.steps.values_in(algebra, function.outputs)
             value = complex(above / below) if below else complex(np.inf)
         if abs(value - last) <= ACCEPTED_RELATIVE_ERROR * abs(value):
             return value
@@ -406,7 +406,7 @@ def high_frequency(function: SymbolicFraction) -> Any:
     algebra = InPowersOfS(Program().leaf)
     above, below = (
         (len(polynomial), first_term(polynomial[::-1], surely_zero))
-        for polynomial in function.steps.run(algebra, function.outputs)
+        for polynomial in function.steps.values_in(algebra, function.outputs)
     )
     if above[1] is None or below[1] is None:
         return sympy.Integer(0)

@@ -269,7 +269,7 @@ class SymbolicFraction(SympyForm):
 
     @cached_property
     def _parts(self) -> tuple[Any, Any]:
-        above, below = self.steps.run(Expressions(), self.outputs)
+        above, below = self.steps.values_in(Expressions(), self.outputs)
         return above, below
 
     @property
@@ -293,7 +293,7 @@ class SymbolicFraction(SympyForm):
     @cached_property
     def nested_leaves(self) -> int:
         """Number of leaves (stiffnesses, ratios, numbers) of the nested form, repeated ones counted again."""
-        above, below = self.steps.run(Lengths(), self.outputs)
+        above, below = self.steps.values_in(Lengths(), self.outputs)
         return int(above + below)
 
     @cached_property

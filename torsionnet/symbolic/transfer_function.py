@@ -148,7 +148,7 @@ class TransferFunction(SymbolicFraction):
                     kind="unsupported-law",
                 )
         algebra = Derivatives(program, symbol)
-        (above, slope_above), (below, slope_below) = self.steps.run(algebra, self.outputs)
+        (above, slope_above), (below, slope_below) = self.steps.values_in(algebra, self.outputs)
         # (N / D)' = (N' D - N D') / D^2
         numerator = slope_above * below + slope_below * above * -1
         numerator, denominator = program.reduced(numerator, below * below)
@@ -179,7 +179,7 @@ class TransferFunction(SymbolicFraction):
             return given.get(expression, expression) if expression.is_Atom else expression.xreplace(given)
 
         program = Program()
-        nodes = self.steps.run(SubstitutedLeaves(program, change), self.outputs)
+        nodes = self.steps.values_in(SubstitutedLeaves(program, change), self.outputs)
         numerator, denominator = program.reduced(*nodes)
         request = None if self.request is None else self.request.changed(change)
         tables = {

@@ -246,7 +246,7 @@ def reference_angles(block: OrderBlock, values: FloatArray) -> tuple[float, ...]
     # Each angle over the longest cycle, with the other unknowns following by a linear step.
     costs = np.array(
         [
-            _cost(turn * predicted * weight - block.measured * weight, turn[:, None] * moving)
+            _cost_after_step(turn * predicted * weight - block.measured * weight, turn[:, None] * moving)
             for turn in np.exp(1j * angles[:, None] * block.line_orders)
         ]
     )
@@ -257,11 +257,12 @@ def reference_angles(block: OrderBlock, values: FloatArray) -> tuple[float, ...]
     return tuple(float(angles[k]) for k in ranked[:MOST_MINIMA])
 
 
-def _cost(residual: np.ndarray, moving: np.ndarray) -> float:
+def _cost_after_step(residual: np.ndarray, moving: np.ndarray) -> float:
     """Sum of squares after a linear step of the other unknowns, each held near its value by its own size."""
     count = moving.shape[1]
     if not count:
         return float(np.sum(np.abs(residual) ** 2))
+    # min over x of |residual - moving x|^2 + |x|^2, by the normal equations.
     rows = np.concatenate([moving.real, moving.imag, np.eye(count)])
     left = np.concatenate([residual.real, residual.imag, np.zeros(count)])
     normal, side = rows.T @ rows, rows.T @ left
@@ -305,7 +306,7 @@ class PartOfOrders:
         """SI unit of the amplitudes."""
         return self.whole.units[int(self.whole.output_of[self.lines.start])]
 
-    def at(self, values: Sequence[float] | FloatArray) -> Evaluation:
+    def evaluation(self, values: Sequence[float] | FloatArray) -> Evaluation:
         """Amplitudes (n_lines, 1, 1) and derivatives (n_lines, 1, 1, n), in SI units, at values (n,) of the unknowns.
 
         Raises
@@ -313,7 +314,7 @@ class PartOfOrders:
         SolveError
             They are not finite there.
         """
-        found = self.whole.at(values)
+        found = self.whole.evaluation(values)
         return Evaluation(found.values[self.lines], found.jacobian[self.lines])
 
 

@@ -66,7 +66,7 @@ class _Last(Generic[T]):
     def __init__(self) -> None:
         self._known: tuple[tuple[float, ...], T] | None = None
 
-    def at(self, values: tuple[float, ...], calculate: Callable[[], T]) -> T:
+    def once(self, values: tuple[float, ...], calculate: Callable[[], T]) -> T:
         """Result at these values, the last one where they are the same."""
         if self._known is None or self._known[0] != values:
             self._known = values, calculate()
@@ -116,7 +116,7 @@ class ParametricOrders:
     >>> import torsionnet as tn
     >>> rig = tn.load("engine_generator_set").configured("normal")
     >>> orders = ParametricOrders.of(rig, "T_cpl", np.array([3.0]), np.array([90.0]), ["engine.misfire_share.4"])
-    >>> found = orders.at(orders.start)
+    >>> found = orders.evaluation(orders.start)
     >>> bool(abs(found.values[0, 0, 0] - rig.order_response("T_cpl", speeds=[90.0]).values[0, 5, 0]) < 1e-6)
     True
     """
@@ -194,7 +194,7 @@ class ParametricOrders:
         """Receptances, the pairs that they belong to, and the frequency of each of these."""
         return tuple(_responses(self._request, self.outputs, self._pairs, self._structural))
 
-    def at(self, values: Sequence[float] | FloatArray) -> Evaluation:
+    def evaluation(self, values: Sequence[float] | FloatArray) -> Evaluation:
         """Amplitudes (n_lines, 1, 1) and derivatives (n_lines, 1, 1, n), in SI units, at values (n,) of the unknowns.
 
         Raises
@@ -203,7 +203,7 @@ class ParametricOrders:
             They are not finite there.
         """
         numbers = tuple(map(float, values))
-        return self._last.at(numbers, lambda: self._evaluated(dict(zip(self.names, numbers, strict=True))))
+        return self._last.once(numbers, lambda: self._evaluated(dict(zip(self.names, numbers, strict=True))))
 
     def _evaluated(self, given: Mapping[str, float]) -> Evaluation:
         gains, slopes = self._gains([given[name] for name in self._structural])
@@ -223,7 +223,7 @@ class ParametricOrders:
 
     def _gains(self, values: Sequence[float]) -> tuple[ComplexArray, ComplexArray]:
         """Receptances (n_pairs, n_inputs) and their derivatives (n_pairs, n_inputs, n_structural)."""
-        return self._last_gains.at(tuple(values), lambda: self._solved(values))
+        return self._last_gains.once(tuple(values), lambda: self._solved(values))
 
     def _solved(self, values: Sequence[float]) -> tuple[ComplexArray, ComplexArray]:
         count = len(self._pairs.measured)
@@ -231,7 +231,7 @@ class ParametricOrders:
         gains = np.zeros((count, len(first.loads)), dtype=complex)
         slopes = np.zeros((count, len(first.loads), len(values)), dtype=complex)
         for response, pairs, frequency in self._responses:
-            found = response.at(values)
+            found = response.evaluation(values)
             output = self.output_of[self._pairs.measured[pairs]]
             gains[pairs], slopes[pairs] = found.values[frequency, output], found.jacobian[frequency, output]
         # At negative frequencies G is the conjugate.
@@ -245,7 +245,7 @@ class ParametricOrders:
         def found() -> tuple[ComplexArray, dict[str, ComplexArray]]:
             return self._loads(numbers), {name: self._load_slopes(name, numbers) for name in numbers}
 
-        return self._last_loads.at(tuple(numbers.values()), found)
+        return self._last_loads.once(tuple(numbers.values()), found)
 
     def _loads(self, numbers: Mapping[str, float]) -> ComplexArray:
         """Complex torques or motions (n_pairs, n_inputs) with these numbers of the excitations."""

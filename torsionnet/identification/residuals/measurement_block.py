@@ -52,7 +52,7 @@ class ParametricCurve(Protocol):
     @property
     def unit(self) -> str: ...
 
-    def at(self, values: Sequence[float] | FloatArray) -> Evaluation: ...
+    def evaluation(self, values: Sequence[float] | FloatArray) -> Evaluation: ...
 
 
 @dataclass(eq=False)
@@ -287,7 +287,7 @@ class MeasurementBlock(ABC):
     def _distorted(self, values: FloatArray, f: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         """Response of the model with delay and gain of the channel, SI, (n_f,), and derivatives (n_f, n)."""
         count = len(self.response.names)
-        found = self.response.at(values[:count])
+        found = self.response.evaluation(values[:count])
         G, slopes = found.values[:, 0, 0], found.jacobian[:, 0, 0]
         extra = dict(zip(self.extra, values[count:], strict=True))
         # Channel g exp(-j omega tau) exp(j o phi) behind G; the columns are its derivatives by the product rule.

@@ -70,9 +70,9 @@ class SampledResponse:
     def unit(self) -> str:
         return self.plain.unit
 
-    def at(self, values: Sequence[float] | FloatArray) -> Evaluation:
+    def evaluation(self, values: Sequence[float] | FloatArray) -> Evaluation:
         """Transfer function and derivatives between samples, in SI units, for these parameter values (n_p,)."""
-        found = self.folded.at(values)
+        found = self.folded.evaluation(values)
         G, slopes = self.folding.folded(found.values), self.folding.folded(found.jacobian)
         if self.plain.request.is_measured:
             # Ratio G of two responses u/T, with derivatives by the quotient rule, (u' - G T')/T.

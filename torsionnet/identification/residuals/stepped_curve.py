@@ -120,7 +120,7 @@ class SteppedCurve:
         """Circular frequencies (n,) in rad/s."""
         return np.asarray(2 * np.pi * self.frequencies)
 
-    def at(self, values: Sequence[float] | FloatArray) -> Evaluation:
+    def evaluation(self, values: Sequence[float] | FloatArray) -> Evaluation:
         """Output over torque (n, 1, 1) and derivatives (n, 1, 1, n_p), in SI units, at values (n_p,) of the unknowns.
 
         Raises
@@ -142,7 +142,7 @@ class SteppedCurve:
             shift = (
                 beside.slope("by_torque", place) * tau + beside.by_torque * moved - beside.slope("of_twist", place) * u
             )
-            change = -_inverse(*self._newton(beside, K, rises, gamma), shift)
+            change = -_inverse(*self._linear_change(beside, K, rises, gamma), shift)
             along = (gamma.conj() * change).real / np.maximum(size, np.finfo(float).tiny)
             dtau = moved + (K - self.spring) * change + rises * along * gamma
             slopes[:, place] = (
@@ -172,7 +172,7 @@ class SteppedCurve:
         beside = self._beside(numbers)
         gamma, tau = self._measured_twist(beside)
         K, size = self._stiffness(numbers, np.abs(gamma)), np.abs(gamma)
-        A, B = self._newton(beside, K, self._rise(numbers, size), gamma)
+        A, B = self._linear_change(beside, K, self._rise(numbers, size), gamma)
         moves = np.sqrt(np.abs(A) ** 2 + np.abs(B) ** 2) * self.torques / np.abs(beside.output_by_torque)
         return np.asarray((K - self.spring) * gamma - tau), np.asarray(moves)
 
@@ -204,7 +204,7 @@ class SteppedCurve:
         missed = self._missed(numbers, beside, gamma)
         for _ in range(MOST_STEPS):
             size = np.abs(gamma)
-            slopes = self._newton(beside, self._stiffness(numbers, size), self._rise(numbers, size), gamma)
+            slopes = self._linear_change(beside, self._stiffness(numbers, size), self._rise(numbers, size), gamma)
             step = _damped(*slopes, missed, damping)
             following = self._missed(numbers, beside, gamma - step)
             better = np.abs(following) < np.abs(missed)

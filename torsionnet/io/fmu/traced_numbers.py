@@ -191,26 +191,27 @@ class _Kinds:
         """Changes of coordinates, and names of those with inertia, massless with dampers, without either, relative."""
         # What inertia leaves free is massless, and what dampers leave free of that is static.
         inertial = [row for law, row in self.laws if self._is_there(law.inertia, row)]
-        massless = self._separated(inertial, self.coordinates)
+        massless = self._made_relative(inertial, self.coordinates)
         heavy = tuple(name for name in self.coordinates if name not in massless)
         inside = [(law, {name: a for name, a in row.items() if name in massless}) for law, row in self.laws]
         damping = [row for law, row in inside if row and self._is_there(law.damping, row)]
-        static = self._separated(damping, massless)
+        static = self._made_relative(damping, massless)
         damped = tuple(name for name in massless if name not in static)
         # What springs leave free is motion as a rigid body; other angles are taken relative to it.
         elastic = [row for law, row in self.laws if law.is_elastic]
-        free = self._separated(elastic, (*heavy, *damped, *static))
+        free = self._made_relative(elastic, (*heavy, *damped, *static))
         self._require_held(free, static)
         return tuple(self.changes), heavy, damped, static, frozenset(self.relative)
 
     def _is_there(self, coefficient: Any, row: Mapping[str, Any]) -> bool:
         return bool(row) and bool(self.tape.node(coefficient) != 0)
 
-    def _separated(self, rows: list[dict[str, Any]], order: tuple[str, ...]) -> tuple[str, ...]:
+    def _made_relative(self, rows: list[dict[str, Any]], order: tuple[str, ...]) -> tuple[str, ...]:
         """Names of the coordinates that ``rows`` leave free, while the others become relative to these."""
         reduction = reduce_rows(rows, {name: place for place, name in enumerate(order)})
         free = tuple(name for name in order if reduction.is_free(name))
         change: dict[str, Any] = {}
+        # Of a name that follows others the motion relative to them is left, x = x' + sum r y.
         for name in order:
             taken = {} if name in free else reduction.reduced({name: 1})
             if taken:

@@ -62,7 +62,11 @@ class SymbolRecord(Record):
 
     def symbol(self, node: ProgramNode) -> Any:
         """Sympy expression of a recorded number."""
-        return self.symbols[node.index] if node.index in self.symbols else self.run(Symbols(), [node], self.symbols)[0]
+        return (
+            self.symbols[node.index]
+            if node.index in self.symbols
+            else self.values_in(Symbols(), [node], self.symbols)[0]
+        )
 
 
 def symbol_of(number: Any) -> Any:

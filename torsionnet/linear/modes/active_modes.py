@@ -72,7 +72,7 @@ class ManyDigitPencil:
                     for j, b in ours:
                         power[i, j] += in_many_digits(value) * a * b
 
-    def at(self, s: Any, rate: bool = False) -> Any:
+    def matrix_at(self, s: Any, rate: bool = False) -> Any:
         """Matrix P(s) of the characteristic equation, or its derivative dP/ds, as an mpmath matrix."""
         import mpmath
 
@@ -105,7 +105,7 @@ class ManyDigitPencil:
         for _ in range(MOST_ITERATIONS):
             # Inverse iteration z = P^-1 P' w, and s moves by w_i / z_i of the largest w_i.
             try:
-                z = mpmath.lu_solve(self.at(s), self.at(s, rate=True) * w)
+                z = mpmath.lu_solve(self.matrix_at(s), self.matrix_at(s, rate=True) * w)
             except ZeroDivisionError:
                 return complex(s), np.array([complex(value) for value in w])
             largest = max(range(len(w)), key=lambda place: abs(w[place]))

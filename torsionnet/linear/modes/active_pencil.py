@@ -83,12 +83,12 @@ class ActivePencil:
         """Number of rows of the characteristic equation, which is that of coordinates and controllers together."""
         return self.n_coordinates + len(self.assembly.system.actions)
 
-    def at(self, s: complex) -> ComplexArray:
+    def matrix_at(self, s: complex) -> ComplexArray:
         """Matrix P(s) of the characteristic equation at s in rad/s, (size, size), with roots at zero taken out."""
         whole = self._whole(s)
         # Columns with roots of det P at zero are replaced by deflated ones, divided by s as often as they vanish there.
         for column in self.columns:
-            whole[:, column.place] = column.at(s)
+            whole[:, column.place] = column.values_at(s)
             if self.loss is not None:
                 strain = 1j * self.assembly.system.rows.T @ (self.loss * column.strain(s))
                 whole[: self.n_coordinates, column.place] += strain
@@ -197,7 +197,7 @@ class ActivePencil:
     @np.errstate(all="ignore")  # exponentials of delays overflow far to the left
     def null_vector(self, s: complex) -> ComplexArray:
         """Coordinates and torques (size,) of the mode shape at a pole, from the matrix at an s next to the pole."""
-        P = self.at(s)
+        P = self.matrix_at(s)
         left, right = equilibrated(np.abs(P))
         # Of any vector P(s)^-1 leaves the null vector next to a pole.
         start = np.cos(np.arange(self.size) + 1.0)
@@ -279,7 +279,7 @@ class ActivePencil:
         if not np.isfinite(w).all():  # the start is zero
             return None
         for _ in range(MOST_ITERATIONS):
-            P, rate = self.at(s), self.derivative(s)
+            P, rate = self.matrix_at(s), self.derivative(s)
             if not (np.isfinite(P).all() and np.isfinite(rate).all() and np.isfinite(s)) or s == 0:
                 return None
             left, right = equilibrated(np.abs(P) + abs(s) * np.abs(rate))
@@ -308,7 +308,7 @@ class ActivePencil:
     def _error(self, s: complex, w: ComplexArray) -> float:
         """Relative error of a pole, as rounding of all terms of its equation times the condition of the pole."""
         for beside in (s, s * (1 + 8 * EPS)):
-            P, rate = self.at(beside), self.derivative(beside)
+            P, rate = self.matrix_at(beside), self.derivative(beside)
             left, right = equilibrated(np.abs(P) + abs(s) * np.abs(rate))
             try:  # next to a root, one step of inverse iteration leaves the left vector alone
                 v = w / right / np.linalg.norm(w / right)
@@ -357,7 +357,7 @@ class ActivePencil:
         return round(count) + self.zeros if abs(count - round(count)) < 0.1 else None
 
     def _phase(self, radius: float, angle: float) -> complex:
-        sign, _ = np.linalg.slogdet(self.at(complex(radius * np.exp(1j * angle))))
+        sign, _ = np.linalg.slogdet(self.matrix_at(complex(radius * np.exp(1j * angle))))
         return complex(sign)
 
 

@@ -217,7 +217,7 @@ def measured_poles(drivetrain: AssembledModel, request: TransferRequest) -> tupl
             kind="zero-reading",
         )
     # Roots at zero have shapes at rest, P_0 v = 0, which fractions give exactly.
-    still = _still(bordered) if counts[1] else np.zeros((bordered.size, 0))
+    still = _motions_at_rest(bordered) if counts[1] else np.zeros((bordered.size, 0))
     roots = _refined(bordered, _approximate(bordered, _rate(assembly), counts[0] - counts[1], counts[1]), counts[1])
     real = on_real_axis(roots.values)
     # One of every conjugate pair, and all real poles.
@@ -255,10 +255,11 @@ def _rate(assembly: Assembly) -> float:
     return float(np.sqrt(stiff / heavy)) if stiff and heavy else 1.0
 
 
-def _still(bordered: Bordered) -> FloatArray:
+def _motions_at_rest(bordered: Bordered) -> FloatArray:
     """Basis (size, n) of motions and torques at rest that leave the measured inputs at zero, found exactly."""
     solved = reduce_rows([row for row in bordered.powers[0] if row], {i: i for i in range(bordered.size)}).solved
     free = [column for column in range(bordered.size) if column not in solved]
+    # P(0) x = 0: one vector for each free unknown, with the solved ones that follow it.
     basis = np.zeros((bordered.size, len(free)))
     for number, column in enumerate(free):
         basis[column, number] = 1.0

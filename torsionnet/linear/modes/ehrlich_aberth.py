@@ -67,7 +67,7 @@ class MatrixPolynomial:
     place: tuple[int, ...]
     operations: int
 
-    def at(self, z: Any) -> list[dict[int, Any]]:
+    def matrix_at(self, z: Any) -> list[dict[int, Any]]:
         """Rows of the matrix polynomial at z, each as a map from column to mpmath number."""
         matrix: list[dict[int, Any]] = [{} for _ in range(self.size)]
         for i, j, coefficients in self.entries:
@@ -225,12 +225,12 @@ def _substitute(matrix: list[dict[int, Any]], right: list[Any], order: list[int]
 
 def _inverse_newton(p: MatrixPolynomial, z: Any) -> Any:
     """Inverse Newton step p'(z)/p(z) of the determinant p = det P at z, or None exactly on a root."""
-    here, _ = eliminate(p.at(z))
+    here, _ = eliminate(p.matrix_at(z))
     if here == 0:
         return None
     # p(z + step) / p(z) = 1 + step p'(z) / p(z), with digits enough for the difference.
     step = z * STEP
-    there, _ = eliminate(p.at(z + step))
+    there, _ = eliminate(p.matrix_at(z + step))
     return (there / here - 1) / step
 
 
@@ -313,7 +313,7 @@ def refine_vector(p: MatrixPolynomial, z: Any, vector: ComplexArray) -> ComplexA
 
     with mpmath.workdps(DIGITS):
         start = [mpmath.mpmathify(vector[j].item()) for j in np.argsort(p.place)]
-        _, solution = eliminate(p.at(z + z * STEP), p.slope(z, start))
+        _, solution = eliminate(p.matrix_at(z + z * STEP), p.slope(z, start))
         largest = max(solution, key=size_of, default=None)
         if not largest:
             return vector

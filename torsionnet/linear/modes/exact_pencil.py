@@ -278,7 +278,7 @@ class DelayedSum:
     terms: tuple[tuple[int, float], ...]
     delay: float
 
-    def at(self, s: complex) -> complex:
+    def value_at(self, s: complex) -> complex:
         """Value of the delayed part at the Laplace variable s in rad/s."""
         return -sum(value * self._factor(power, s) for power, value in self.terms)
 
@@ -355,7 +355,7 @@ class DeflatedColumn:
         powers = np.complex128(s) ** (np.arange(len(self.motion)) - self.order)
         return np.asarray(powers @ self.motion)
 
-    def at(self, s: complex) -> ComplexArray:
+    def values_at(self, s: complex) -> ComplexArray:
         """Entries (n,) of the column at s in rad/s, without loss factors."""
         column = np.asarray(polynomial(list(self.undelayed), s), dtype=complex)
         for delayed in self.delayed:

@@ -80,7 +80,7 @@ def modes(system: RowSystem, *, undamped: bool = False) -> tuple[FloatArray, Eig
     """
     problem = FrozenProblem(system, undamped)
     search = FixedPoints(problem)
-    rest = problem.at(search.points[0] if undamped else 0.0)
+    rest = problem.frozen_at(search.points[0] if undamped else 0.0)
     kept, real = one_per_pair(rest.spectrum)
     still = [] if undamped else [rest.mode(int(j)) for j in kept[real]]
     still = [replace(mode, value=complex(mode.value.real)) for mode in still]
@@ -159,7 +159,7 @@ class FrozenProblem:
         stiffness, damping = self.coefficients(omega)
         return stiffness.tobytes() + damping.tobytes()
 
-    def at(self, omega: float) -> FrozenSpectrum:
+    def frozen_at(self, omega: float) -> FrozenSpectrum:
         """Eigenvalues and shapes of the problem frozen at omega in rad/s; at rest they are refined in many digits."""
         key = self.key(omega)
         if key not in self.known:
@@ -183,7 +183,7 @@ class FrozenProblem:
         """Frequencies in rad/s of the vibrations of the problem frozen at omega in rad/s, without their shapes."""
         stiffness, damping = self.coefficients(omega)
         if self.key(omega) in self.known or np.iscomplexobj(stiffness):
-            return self.at(omega).frequencies
+            return self.frozen_at(omega).frequencies
         return self._frequencies(stiffness, damping)
 
     @cached_property
@@ -280,7 +280,7 @@ class FixedPoints:
         """
         at = [low, *(row for row in self._rows if low < row < high), high]
         slopes = np.array([self._slopes(*ends) for pair in pairwise(at) for ends in (pair, pair[::-1])]).max(axis=0)
-        values = [(self.problem.at(omega).spectrum.values, omega) for omega in (low, high)]
+        values = [(self.problem.frozen_at(omega).spectrum.values, omega) for omega in (low, high)]
         if self.problem.undamped:
             return bool(slopes[0] < 2)
         if any(np.sum(on_real_axis(some) & (some != 0)) > 1 for some, _ in values):
@@ -305,7 +305,7 @@ class FixedPoints:
 
     @cached_property
     def pencil(self) -> Pencil:
-        rates = self.problem.at(0.0).frequencies
+        rates = self.problem.frozen_at(0.0).frequencies
         typical = float(np.median(rates)) if len(rates) else 1.0
         return Pencil.of(self.problem.system, undamped=self.problem.undamped, at=typical)
 
@@ -384,7 +384,7 @@ class FixedPoints:
 
     def _as_frozen(self, low: float, high: float) -> Iterator[Mode]:
         """Yield the vibrations in a range of frequencies in rad/s in which no coefficient changes."""
-        frozen = self.problem.at(low)
+        frozen = self.problem.frozen_at(low)
         inside = frozen.candidates[(frozen.frequencies > low) & (frozen.frequencies <= high)]
         if len(inside):
             wanted = np.isin(np.arange(len(frozen.spectrum.values)), inside)
@@ -399,7 +399,7 @@ class FixedPoints:
         rates = self.problem.frequencies(omega)
         if not (beside and len(rates)) and not np.any((rates > low) & (rates <= high)):
             return []
-        frozen, undamped, pencil = self.problem.at(omega), self.problem.undamped, self.pencil
+        frozen, undamped, pencil = self.problem.frozen_at(omega), self.problem.undamped, self.pencil
         rates = frozen.frequencies
         apart = np.maximum(np.maximum(low - rates, rates - high), 0.0)
         inside = (rates > low) & (rates <= high)
@@ -420,7 +420,7 @@ class FixedPoints:
         met = (errors <= SETTLED) & (values.imag > low) & (values.imag <= high)
         return [Mode(complex(values[j]), shapes[:, j], float(errors[j])) for j in np.flatnonzero(met)]
 
-    def _falling(self, modes: Sequence[Mode]) -> list[Mode]:
+    def _where_the_count_falls(self, modes: Sequence[Mode]) -> list[Mode]:
         """Fixed points at which the number of vibrations above falls, as it always does with constant stiffness."""
         if not modes:
             return []
@@ -428,13 +428,14 @@ class FixedPoints:
         shapes = np.array([mode.shape for mode in modes]).T / self.pencil.scale[:, None]
         if self.problem.undamped:
             values, shapes = values.imag**2, shapes.real
+        # A mode whose frequency, with the stiffness at omega, rises slower than omega is overtaken by it: pull < 1.
         return [mode for mode, pull in zip(modes, self.pencil.pulls(shapes, values), strict=True) if pull < 1]
 
     def _unsettled(self, low: float, high: float, count: int) -> Iterator[Mode]:
         """Yield the vibrations next to a narrow range in rad/s, as many as are known to be there and were not met."""
         if count <= 0:
             return
-        ends = [(omega, self.problem.at(omega)) for omega in (low, high)]
+        ends = [(omega, self.problem.frozen_at(omega)) for omega in (low, high)]
         near = sorted(
             (abs(float(frozen.spectrum.values[j].imag) - omega), place, int(j))
             for place, (omega, frozen) in enumerate(ends)

@@ -201,7 +201,7 @@ class _Symmetric:
         self.factors = pencil.factor(-sigma, definite=True)
         self.known = np.linalg.qr(self.rows @ (rigid / pencil.scale[:, None]))[0]
 
-    def run(self, count: int, tolerance: float = _KRYLOV_TOLERANCE) -> tuple[FloatArray, FloatArray]:
+    def eigenpairs(self, count: int, tolerance: float = _KRYLOV_TOLERANCE) -> tuple[FloatArray, FloatArray]:
         """Largest ``count`` eigenvalues in s^2 of the operator, and their vectors y orthogonal to the known ones."""
         from scipy.sparse.linalg import eigsh
 
@@ -229,11 +229,11 @@ def _operator(apply: Apply, size: int) -> Any:
 def _undamped(pencil: Pencil, motions: RigidMotions, count: int, slowest: float) -> tuple[FloatArray, FloatArray]:
     """Squares omega^2 in (rad/s)^2 of the lowest natural frequencies and shapes (n_q, n), at least ``count``."""
     problem = _Symmetric(pencil, motions.rigid, slowest**2 / 2)
-    values, vectors = problem.run(count + 1)
+    values, vectors = problem.eigenpairs(count + 1)
     # Again without the modes found: a further one of a multiple eigenvalue only shows then.
     for _ in range(count):
         problem.known = np.linalg.qr(np.hstack([problem.known, vectors]))[0]
-        more, extra = problem.run(2)
+        more, extra = problem.eigenpairs(2)
         missed = more >= np.sort(values)[-count] * (1 - _MISSED_MARGIN)
         if not np.any(missed):
             break
@@ -272,7 +272,7 @@ class _Companion:
         n, M = len(x) // 2, self.pencil.M
         return np.concatenate([self.pencil.C @ x[:n] + self.unit * (M @ x[n:]), self.unit * (M @ x[:n])])
 
-    def run(self, count: int) -> tuple[ComplexArray, ComplexArray]:
+    def eigenpairs(self, count: int) -> tuple[ComplexArray, ComplexArray]:
         """Eigenvalues in rad/s next to sigma and their vectors x outside the known ones, conjugates included."""
         from scipy.sparse.linalg import eigs
 
@@ -305,7 +305,7 @@ def _damped(pencil: Pencil, motions: RigidMotions, count: int, slowest: float) -
         if wanted > motions.dynamic:
             raise NotFoundError
         problem = _Companion(pencil, motions, sigma, 20 * sigma)
-        values, vectors = problem.run(wanted)
+        values, vectors = problem.eigenpairs(wanted)
         upper = values.imag >= 0
         values, vectors = values[upper], vectors[:, upper]
         sizes = np.sort(np.abs(values))
@@ -320,7 +320,7 @@ def _damped(pencil: Pencil, motions: RigidMotions, count: int, slowest: float) -
         raise NotFoundError
     for _ in range(count):
         problem.add_known(values, vectors)
-        more, extra = problem.run(2)
+        more, extra = problem.eigenpairs(2)
         missed = (np.abs(more) <= np.sort(np.abs(values))[count - 1] * (1 + _MISSED_MARGIN)) & (more.imag >= 0)
         if not np.any(missed):
             break

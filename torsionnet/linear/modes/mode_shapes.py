@@ -57,7 +57,7 @@ def describe(
     links = Links.of(assembly)
     for index, kind in enumerate(solution.kinds):
         if kind == "rigid body":
-            sentences.append(_rigid(assembly, shapes[:, index]))
+            sentences.append(_rigid_rotation_words(assembly, shapes[:, index]))
         elif kind == "real pole":
             fall = "overdamped, time constant {time:.3g} s{more}"
             if _is_critical(solution, index):
@@ -101,7 +101,7 @@ def accuracy_warnings(errors: FloatArray) -> tuple[str, ...]:
     return (f"{text}; look for a stiffness, damping or inertia of a size far from the others",)
 
 
-def _rigid(assembly: Assembly, shape: ComplexArray) -> str:
+def _rigid_rotation_words(assembly: Assembly, shape: ComplexArray) -> str:
     still = int(np.sum(np.abs(shape) < STILL_NODE))
     return (
         "rigid-body rotation"

@@ -134,12 +134,12 @@ class _Slopes:
 
     @cached_property
     def _own(self) -> FloatArray:
-        return self._coefficients(self.at)
+        return self._law_coefficients(self.at)
 
     def _moved(self, number: int, step: float) -> FloatArray:
-        return self._coefficients([*self.at[:number], self.at[number] + step, *self.at[number + 1 :]])
+        return self._law_coefficients([*self.at[:number], self.at[number] + step, *self.at[number + 1 :]])
 
-    def _coefficients(self, at: Sequence[float]) -> FloatArray:
+    def _law_coefficients(self, at: Sequence[float]) -> FloatArray:
         """Damping and stiffness (2 n_laws,) of all laws of the elements at values of the unknowns."""
         numbers = dict(zip(self.unknowns.parameters, at, strict=True))
         moved = self.tangents.with_values(numbers)
@@ -290,10 +290,10 @@ def augmented(unknowns: Unknowns, at: Sequence[float], nodes: Sequence[str], red
     return Augmented(
         law_slopes=_slopes([law.row for law in laws], place, count),
         condition_slopes=_slopes([conditions[index] for index in kept], place, count),
-        inertia=_coefficients([law.inertia for law in laws], count),
-        damping=_coefficients([law.damping for law in laws], count),
-        stiffness=_coefficients([law.stiffness for law in laws], count),
-        hysteretic=_coefficients([law.stiffness * law.loss_factor for law in laws], count),
+        inertia=_law_coefficients([law.inertia for law in laws], count),
+        damping=_law_coefficients([law.damping for law in laws], count),
+        stiffness=_law_coefficients([law.stiffness for law in laws], count),
+        hysteretic=_law_coefficients([law.stiffness * law.loss_factor for law in laws], count),
         tables=tuple((index, law.table) for index, law in enumerate(laws) if law.table is not None),
         law_owners=tuple(owner for owner, _ in owned),
         condition_owners=tuple(owners[index] for index in kept),
@@ -332,6 +332,6 @@ def _slopes(rows: Sequence[Mapping[str, Any]], place: Mapping[str, int], count: 
     return slopes
 
 
-def _coefficients(numbers: Sequence[Any], count: int) -> LawCoefficients:
+def _law_coefficients(numbers: Sequence[Any], count: int) -> LawCoefficients:
     slopes = np.array([gradient_of(number, count) for number in numbers]).reshape(len(numbers), count)
     return LawCoefficients(np.array([float(number) for number in numbers]), slopes)

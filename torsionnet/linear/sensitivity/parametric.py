@@ -81,7 +81,7 @@ class ParametricResponse:
     def _nodes(self) -> tuple[str, ...]:
         return self.drivetrain.assembly.kinematics.nodes
 
-    def at(self, values: Sequence[float] | FloatArray) -> Evaluation:
+    def evaluation(self, values: Sequence[float] | FloatArray) -> Evaluation:
         """Transfer functions and derivatives, in SI units, for these parameter values (n_p,).
 
         Raises

@@ -262,7 +262,7 @@ def _effect(levels: Levels, box: Box, best: FloatArray, place: int) -> FloatArra
 
 def _curve(levels: Levels, label: str, values: FloatArray) -> LevelCurve:
     grid = levels.grid(values)
-    return LevelCurve(label, levels.shown(grid), levels.at(values, grid))
+    return LevelCurve(label, levels.shown(grid), levels.sizes_at(values, grid))
 
 
 def _fixed_points(
@@ -274,7 +274,7 @@ def _fixed_points(
     """
 
     def apart(points: FloatArray) -> FloatArray:
-        return np.log(levels.at(free, points) / levels.at(locked, points))
+        return np.log(levels.sizes_at(free, points) / levels.sizes_at(locked, points))
 
     grid = np.union1d(levels.grid(free), levels.grid(locked))
     # Den Hartog: curves of all dampings pass the points where those of c = 0 and c = infinity cross.
@@ -285,7 +285,7 @@ def _fixed_points(
             lambda f: float(apart(np.array([f]))[0]), grid[place], grid[place + 1], rtol=1e-12
         )
         # With damping elsewhere the crossing is no fixed point in the strict sense: other dampings must agree there.
-        sizes = np.concatenate([levels.at(values, np.array([point])) for values in (free, *films)])
+        sizes = np.concatenate([levels.sizes_at(values, np.array([point])) for values in (free, *films)])
         spread = float(sizes.max() / sizes.min() - 1)
         if spread < FIXED_POINT_SPREAD:
             fixed.append(FixedPoint(float(point), float(sizes.max()), spread))

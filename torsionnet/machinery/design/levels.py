@@ -41,7 +41,7 @@ class VariedModel:
     def _first(self) -> AssembledModel:
         return AssembledModel.from_definition(self.unknowns.definition)
 
-    def at(self, values: FloatArray) -> AssembledModel:
+    def with_values(self, values: FloatArray) -> AssembledModel:
         return self._first.configured(**dict(zip(self.unknowns.parameters, map(float, values), strict=True)))
 
 
@@ -55,7 +55,7 @@ class Levels(Protocol):
     def grid(self, values: FloatArray) -> FloatArray:
         """Frequencies (Hz) or speeds (rad/s), shape (n,), rising, that show every maximum of the level."""
 
-    def at(self, values: FloatArray, points: FloatArray) -> FloatArray:
+    def sizes_at(self, values: FloatArray, points: FloatArray) -> FloatArray:
         """Levels (n,), amplitudes or half ranges to be made small, at frequencies or speeds ``points`` (n,)."""
 
     def slopes(self, values: FloatArray, points: FloatArray) -> FloatArray:
@@ -106,7 +106,7 @@ class ReceptanceLevels:
         return Channel(f"{output.name}/{measured.name}", f"{output.unit}/({measured.unit})")
 
     def grid(self, values: FloatArray) -> FloatArray:
-        return Adaptive(*self.band).frequencies(modes(self._model.at(values)))
+        return Adaptive(*self.band).frequencies(modes(self._model.with_values(values)))
 
     @cached_property
     def _model(self) -> VariedModel:
@@ -124,7 +124,7 @@ class ReceptanceLevels:
 
     def maxima(self, values: FloatArray) -> FloatArray:
         grid = self.grid(values)
-        levels = self.at(values, grid)
+        levels = self.sizes_at(values, grid)
         places = _with_ends(levels)
         points = [
             self._refined(values, grid[place - 1], grid[place + 1]) if 0 < place < len(grid) - 1 else float(grid[place])
@@ -135,7 +135,7 @@ class ReceptanceLevels:
     def _refined(self, values: FloatArray, low: float, high: float) -> float:
         for _ in range(REFINEMENT_ROUNDS):
             fine = np.linspace(low, high, REFINEMENT_POINTS)
-            best = int(np.argmax(self.at(values, fine)))
+            best = int(np.argmax(self.sizes_at(values, fine)))
             low, high = fine[max(best - 1, 0)], fine[min(best + 1, REFINEMENT_POINTS - 1)]
         return float(fine[best])
 
@@ -175,14 +175,14 @@ class OrderLevels:
     def grid(self, values: FloatArray) -> FloatArray:
         if not self.refine:
             return self.run.speeds
-        changed, shaft = self.model.at(values), self.run.reference
+        changed, shaft = self.model.with_values(values), self.run.reference
         examined = ExaminedSpeeds.of(
             changed, self.run.speeds, speed_of=shaft, excitations=self.excitations, refine=True
         )
         return examined.first(np.empty(0))
 
-    def at(self, values: FloatArray, points: FloatArray) -> FloatArray:
-        changed, shaft = self.model.at(values), self.run.reference
+    def sizes_at(self, values: FloatArray, points: FloatArray) -> FloatArray:
+        changed, shaft = self.model.with_values(values), self.run.reference
         run = orders_at_speeds(changed, self.output, speeds=points, speed_of=shaft, excitations=self.excitations)
         return np.asarray(run.half_range[:, 0])
 
@@ -197,7 +197,7 @@ class OrderLevels:
 
     def maxima(self, values: FloatArray) -> FloatArray:
         def with_more(known: FloatArray, more: FloatArray) -> FloatArray:
-            both = np.concatenate([known, [more, self.at(values, more)]], axis=1)
+            both = np.concatenate([known, [more, self.sizes_at(values, more)]], axis=1)
             return both[:, np.argsort(both[0], kind="stable")]
 
         grid = self.grid(values)

@@ -114,7 +114,7 @@ def _along_one(levels: Levels, box: Box, start: FloatArray) -> FloatArray:
 def largest(levels: Levels, values: FloatArray, *, refined: bool = True) -> float:
     """Largest vibration level, in its unit, over all frequencies or speeds for these parameter values (n_p,)."""
     points = levels.maxima(values)[:1] if refined else levels.grid(values)
-    return float(levels.at(values, points).max())
+    return float(levels.sizes_at(values, points).max())
 
 
 def search_from(levels: Levels, box: Box, place: FloatArray) -> FloatArray:
@@ -127,7 +127,7 @@ def search_from(levels: Levels, box: Box, place: FloatArray) -> FloatArray:
     best, least = place, np.inf
     for _ in range(CONSTRAINT_ROUNDS):
         maxima = levels.maxima(box.inside(place))
-        level = float(np.log(levels.at(box.inside(place), maxima[:1])[0] + SMALLEST_LEVEL))
+        level = float(np.log(levels.sizes_at(box.inside(place), maxima[:1])[0] + SMALLEST_LEVEL))
         if level < least:
             best, least = place, level
         # Exchange of constraints: maxima of this curve are held down in the next step, too.
@@ -146,11 +146,11 @@ def _solved(levels: Levels, box: Box, points: FloatArray, start: FloatArray) -> 
     """Place (n_p,) in the unit cube where the largest level at ``points`` is smallest, and that level's logarithm."""
 
     def logs(x: FloatArray) -> FloatArray:
-        return np.log(levels.at(box.inside(x[:-1]), points) + SMALLEST_LEVEL)
+        return np.log(levels.sizes_at(box.inside(x[:-1]), points) + SMALLEST_LEVEL)
 
     def slopes(x: FloatArray) -> FloatArray:
         values = box.inside(x[:-1])
-        by_value = levels.slopes(values, points) / (levels.at(values, points) + SMALLEST_LEVEL)[:, None]
+        by_value = levels.slopes(values, points) / (levels.sizes_at(values, points) + SMALLEST_LEVEL)[:, None]
         return np.column_stack([-by_value * box.rates(x[:-1]), np.ones(len(points))])
 
     search: Any = scipy.optimize.minimize  # its published types know no constraints that are functions

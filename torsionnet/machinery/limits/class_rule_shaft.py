@@ -247,7 +247,7 @@ class GeneratingSetShaft(ClassRuleShaft):
         rated = self.rated_speed(subject)
         return [*super().breaks(subject), self.no_barred_above * rated, self.highest_ratio * rated]
 
-    def text(self, evidence: Evidence) -> RuleText:
+    def rule_text(self, evidence: Evidence) -> RuleText:
         del evidence
         numbers, society = self.numbers, SOCIETIES[self.rules]
         own = numbers.continuous[self.shaft] / 1e6, numbers.passing[self.shaft] / 1e6

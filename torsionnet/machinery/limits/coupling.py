@@ -204,7 +204,7 @@ class CouplingLimit(ElementLimit):
         sensor = {"T_Kmax": self.torque, "twist": self.twisting}.get(criterion)
         return None if sensor is None else ([sensor], 1.0)
 
-    def text(self, evidence: Evidence) -> RuleText:
+    def rule_text(self, evidence: Evidence) -> RuleText:
         del evidence
         by_din = self.frequency_factor == "din_740_2"
         vibratory = phrase(VIBRATORY_BY_DIN if by_din else "T_v S_theta <= T_KW")
@@ -332,7 +332,7 @@ class DamperLimit(ElementLimit):
     def power_elements(self) -> list[str]:
         return [self.element] if self.allowed_power is not None else []
 
-    def text(self, evidence: Evidence) -> RuleText:
+    def rule_text(self, evidence: Evidence) -> RuleText:
         del evidence
         parts = [phrase(HEAT)]
         if self.power_per_area is not None:

@@ -269,7 +269,7 @@ class CurveLimit(InSpeedBand):
         del criterion
         return (self.order_sensors(subject), 1.0) if self.measure == "half_range" else None
 
-    def text(self, evidence: Evidence) -> RuleText:
+    def rule_text(self, evidence: Evidence) -> RuleText:
         del evidence
         what = phrase(
             "half range of the sum of all orders" if self.measure == "half_range" else "amplitude of each order"

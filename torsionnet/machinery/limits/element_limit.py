@@ -172,7 +172,7 @@ class GearLimit(ElementLimit):
         del criterion, subject
         return [self.torque], 1.0
 
-    def text(self, evidence: Evidence) -> RuleText:
+    def rule_text(self, evidence: Evidence) -> RuleText:
         del evidence
         parts = []
         if self.vibratory_share is not None:

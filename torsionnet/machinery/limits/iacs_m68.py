@@ -189,7 +189,7 @@ class IacsM68(ClassRuleShaft):
             return float(min(1.0, SCF_OF_UNIT / self.stress_concentration))
         return FEATURES[self.shaft][self.feature]
 
-    def text(self, evidence: Evidence) -> RuleText:
+    def rule_text(self, evidence: Evidence) -> RuleText:
         size = size_factor(self.section(evidence.subject).outer)
         formula = (
             "tau_C = (sigma_B + 160)/18 C_K C_D (3 - 2 lambda^2), from lambda = 0.9 to 1.05 (sigma_B + 160)/18 C_K C_D "

@@ -104,7 +104,7 @@ class Limit(Declared):
         """Names of elements whose dissipated power the limit needs."""
         return []
 
-    def text(self, evidence: Evidence) -> RuleText:
+    def rule_text(self, evidence: Evidence) -> RuleText:
         """Text on the source of the rule, its formula with numbers, and what it does not cover."""
         raise NotImplementedError
 
@@ -190,7 +190,7 @@ class Limit(Declared):
         empty = np.empty(0)
         return LimitVerdict(
             limit=name, of=self.of, criterion=criterion, quantity="", unit="", speeds=evidence.speeds, values=empty,
-            allowed=empty, verdict=OPEN, text=self.text(evidence), remarks=(why,),
+            allowed=empty, verdict=OPEN, text=self.rule_text(evidence), remarks=(why,),
         )  # fmt: skip
 
     def peak(self, line: LimitLine, name: str, evidence: Evidence) -> LimitVerdict:
@@ -278,7 +278,7 @@ class Limit(Declared):
         return LimitVerdict(
             limit=name, of=self.place(line, evidence), criterion=line.criterion, quantity=line.quantity, unit=line.unit,
             speeds=evidence.speeds, values=line.values, allowed=line.allowed, verdict=verdict,
-            text=self.text(evidence), barred=barred,
+            text=self.rule_text(evidence), barred=barred,
             remarks=(*remarks, *line.remarks, *own, *_coarse(evidence, line.values)), case=case,
             orders=line.orders.largest if line.orders else None, amplitudes=line.orders,
             tolerance=self.tolerance, in_passing=line.in_passing,

@@ -50,7 +50,7 @@ class MachineAngleLimit(InSpeedBand):
         del subject
         return [Sensor("angle", self.node)]
 
-    def text(self, evidence: Evidence) -> RuleText:
+    def rule_text(self, evidence: Evidence) -> RuleText:
         del evidence
         formula = phrase(
             "{count} pole pairs x half range of the angle <= angle allowed, electrical", count=self.pole_pairs

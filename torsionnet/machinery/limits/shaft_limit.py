@@ -201,7 +201,7 @@ class FatigueLimit(ShaftLimit):
         # S-N line N tau^slope = const up to the knee: tau = tau_W (N_knee/N)^(1/slope).
         return float(self.fatigue_strength * (self.knee / self.cycles) ** (1 / not_none(self.slope)))
 
-    def text(self, evidence: Evidence) -> RuleText:
+    def rule_text(self, evidence: Evidence) -> RuleText:
         del evidence
         terms = {
             "goodman": f"tau_W (1 - tau_m/tau_B)/S, tau_B = {(self.ultimate_strength or math.nan) / 1e6:g} N/mm^2",

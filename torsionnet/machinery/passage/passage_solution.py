@@ -136,7 +136,7 @@ def passage_from(
     excitations: Iterable[str] | None,
 ) -> PassageResponse:
     """Response along a profile, times in s and speeds in rad/s, from an angle in rad of the node of the speeds."""
-    at, run = _profile(*profile)
+    at, run = _checked_profile(*profile)
     asked = [outputs] if isinstance(outputs, str | Sensor) else list(outputs)
     grid = np.linspace(run.min(), run.max(), STEADY_SPEEDS if run.min() < run.max() else 1)
     acting = excitations if excitations is None or isinstance(excitations, str) else tuple(excitations)
@@ -305,7 +305,7 @@ class _Passage:
         return form.A, form.B, *output_matrices(rig.assembly, request.outputs, request.excitations, form)
 
 
-def _profile(times: ArrayLike, speeds: ArrayLike) -> tuple[FloatArray, FloatArray]:
+def _checked_profile(times: ArrayLike, speeds: ArrayLike) -> tuple[FloatArray, FloatArray]:
     """Times (n,) in s, and speeds (n,) in rad/s, as arrays that can be followed."""
     try:
         at, run = np.asarray(times, dtype=float), np.asarray(speeds, dtype=float)

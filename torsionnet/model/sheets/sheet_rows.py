@@ -302,7 +302,7 @@ class _Rows:
         for begun in self.begun:
             links += self._ended(begun)
         if not self.values.faults:
-            self._check_together(links)
+            self._check_connected(links)
         return links
 
     def _ended(self, begun: _Begun) -> list[SheetLink]:
@@ -408,7 +408,7 @@ class _Rows:
         self._fault(kind, told, cell, ())
         return None
 
-    def _check_together(self, links: Sequence[SheetLink]) -> None:
+    def _check_connected(self, links: Sequence[SheetLink]) -> None:
         joined = Groups(self.masses)
         for link in links:
             if GROUND not in (link.first, link.second):

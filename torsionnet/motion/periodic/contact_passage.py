@@ -138,7 +138,7 @@ class ContactMarch:
     def _torque(self, motion: PeriodicMotion, law: int) -> FloatArray:
         """Torque (N,) in N m of a law over the period."""
         force, n = self.problem.forces[law], samples(motion.harmonics)
-        return force.over(over_time(motion.x[:, law], n), None).torque
+        return force.answer_to(over_time(motion.x[:, law], n), None).torque
 
     def _table(self, contact: Contact) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Guards (n_g, N), exponential over one look, and guards at all looks of a block (n, n_g, N)."""

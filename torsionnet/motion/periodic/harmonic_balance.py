@@ -69,7 +69,7 @@ class HarmonicBalance:
             values = over_time(x[:, number], n)
             s = 1j * self.omega * np.arange(len(x))
             rate = over_time(s * x[:, number], n) + self.rates[number] if force.needs_rate else None
-            of_laws.append(force.over(values, rate))
+            of_laws.append(force.answer_to(values, rate))
         return of_laws
 
     def taus(self, x: ComplexArray, torques: ComplexArray) -> ComplexArray:

@@ -67,7 +67,7 @@ class Force(Protocol):
     @property
     def behind_spring(self) -> bool: ...
 
-    def over(self, x: FloatArray, rate: FloatArray | None) -> LawAnswer:
+    def answer_to(self, x: FloatArray, rate: FloatArray | None) -> LawAnswer:
         """Answer to samples over a period."""
         ...
 
@@ -100,11 +100,12 @@ class PieceForce:
     def needs_rate(self) -> bool:
         return self.over_rate or bool(self.dampings.any())
 
-    def _crossing(self, acting: tuple[int, int], ends: FloatArray, follows: FloatArray) -> float:
+    def _share_until_change(self, acting: tuple[int, int], ends: FloatArray, follows: FloatArray) -> float:
         """Part of an interval between two samples that is over where the first of two acting pieces gives way.
 
         ``ends`` (2, 2) are twist and rate at both samples, ``follows`` (2,) what the corner lies on.
         """
+        # The twist passes the corner between the pieces where it does so along a straight line.
         corner = self.corners[min(acting)]
         crosses = (follows[0] < corner) != (follows[1] < corner)
         places = [(corner - follows[0]) / (follows[1] - follows[0])] if crosses else []
@@ -134,7 +135,7 @@ class PieceForce:
         for i in np.flatnonzero(np.abs(following - acting) == 1).tolist():
             j, a, b = (i + 1) % len(acting), int(acting[i]), int(following[i])
             ends = np.array([[x[i], x[j]], [0.0, 0.0] if rate is None else [rate[i], rate[j]]])
-            theta = self._crossing((a, b), ends, ends[int(self.over_rate)])
+            theta = self._share_until_change((a, b), ends, ends[int(self.over_rate)])
             there = ends[:, 0] + theta * (ends[:, 1] - ends[:, 0])
             jump = float(self._torque(b, there) - self._torque(a, there))
             # trapezium 1/2, 1/2 against the shares theta, 1 - theta
@@ -147,7 +148,7 @@ class PieceForce:
                 # A torque that jumps at a twist jumps earlier, by dx/x', as the twist grows by dx.
                 slope[pair] += np.array([1 - theta, theta]) * jump / (x[j] - x[i])
 
-    def over(self, x: FloatArray, rate: FloatArray | None) -> LawAnswer:
+    def answer_to(self, x: FloatArray, rate: FloatArray | None) -> LawAnswer:
         followed = rate if self.over_rate and rate is not None else x
         piece = np.searchsorted(self.corners, followed, side="right")
         torque = self.torques[piece] + self.stiffnesses[piece] * x
@@ -183,7 +184,7 @@ class ResolvedForce:
         del amplitude, mean, omega
         return None
 
-    def over(self, x: FloatArray, rate: FloatArray | None) -> LawAnswer:
+    def answer_to(self, x: FloatArray, rate: FloatArray | None) -> LawAnswer:
         del rate
         places = np.searchsorted(self.corners, x, side="right")
         slopes = np.concatenate([[self.before], np.diff(self.torques) / np.diff(self.corners), [self.after]])
@@ -210,7 +211,7 @@ class SliderForce:
         del mean, omega
         return Describing(0.0, slider_describing_function(self.stiffness, self.torque, amplitude))
 
-    def over(self, x: FloatArray, rate: FloatArray | None) -> LawAnswer:
+    def answer_to(self, x: FloatArray, rate: FloatArray | None) -> LawAnswer:
         del rate
         n, k, most = len(x), self.stiffness, self.torque
         turns = np.flatnonzero((x - np.roll(x, 1)) * (np.roll(x, -1) - x) < 0)
@@ -255,7 +256,7 @@ class CurveForce:
     def needs_rate(self) -> bool:
         return self.law.curve.over == "rate"
 
-    def over(self, x: FloatArray, rate: FloatArray | None) -> LawAnswer:
+    def answer_to(self, x: FloatArray, rate: FloatArray | None) -> LawAnswer:
         curve, scale = self.law.curve, float(self.law.scale)
         if isinstance(curve, CubicCurve):
             k, third = float(curve.stiffness), float(curve.cubic)

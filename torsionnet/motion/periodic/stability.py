@@ -172,7 +172,7 @@ def _slopes(
         x = motion.x[:, number] * np.exp(2j * math.pi * k * place / count)
         turning = problem.plant.turning[number] * problem.drive.speed(motion.parameter)
         rate = over_time(1j * motion.omega * k * x, count) + turning if force.needs_rate else None
-        answer = force.over(over_time(x, count), rate)
+        answer = force.answer_to(over_time(x, count), rate)
         change = answer.slope[:, None] * angles[number]
         if answer.rate_slope is not None:
             change = change + answer.rate_slope[:, None] * rates[number]

@@ -60,7 +60,7 @@ class HistoryPiece:
     slope: float = 0.0
     waves: tuple[Wave, ...] = ()
 
-    def at(self, times: FloatArray) -> FloatArray:
+    def values_at(self, times: FloatArray) -> FloatArray:
         """Values (n,) of the piece at times in s, also where another piece holds."""
         import numpy as np
 
@@ -110,7 +110,7 @@ class TimeHistory:
         values = np.zeros(count)
         for number, piece in enumerate(self.pieces):
             begin = 0 if number == 0 else first_sample(piece.start, rate)
-            values[begin:] = piece.at(np.arange(begin, max(begin, count)) / rate)
+            values[begin:] = piece.values_at(np.arange(begin, max(begin, count)) / rate)
         return values
 
     def piece_at(self, time: float) -> HistoryPiece:
@@ -185,7 +185,7 @@ class SteadyCourse:
 
     value: Expression
 
-    def at(self, value: Values) -> TimeHistory:
+    def history(self, value: Values) -> TimeHistory:
         """History of the course with the values of parameters."""
         return constant(float(value(self.value)))
 
@@ -200,7 +200,7 @@ class StraightCourse:
 
     rows: tuple[tuple[float, Expression], ...]
 
-    def at(self, value: Values) -> TimeHistory:
+    def history(self, value: Values) -> TimeHistory:
         """History of the course with the values of parameters."""
         return straight((time, float(value(expression))) for time, expression in self.rows)
 
@@ -219,7 +219,7 @@ class SineCourse:
     mean: Expression = Number(0)
     phase: Expression = Number(0)
 
-    def at(self, value: Values) -> TimeHistory:
+    def history(self, value: Values) -> TimeHistory:
         """History of the course with the values of parameters."""
         from cmath import rect
 

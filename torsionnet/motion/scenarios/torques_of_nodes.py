@@ -169,11 +169,11 @@ class TorqueScenario(Scenario):
 
     def histories(self, value: Values) -> dict[str, TimeHistory]:
         """Torques over time by node, with values of the parameters."""
-        return {place: history.at(value) for place, history in self.torque.items()}
+        return {place: history.history(value) for place, history in self.torque.items()}
 
     def course(self, model: ScenarioSubject) -> DrivingCourse:
         scales = {
-            (element, what): history.at(model.value)
+            (element, what): history.history(model.value)
             for element, table in self.elements.items()
             for what, history in table.items()
         }

@@ -372,7 +372,7 @@ class _SmoothMotion:
             )
         # The fastest vibration says how short a flight may be.
         plant.states.h = BOUNCE_STEP / turning
-        contact, _ = plant.states.after(now.contact, guard, z / in_steps(plant.at, plant.states.h), time)
+        contact, _ = plant.states.state_after(now.contact, guard, z / in_steps(plant.at, plant.states.h), time)
         self.events += [MotionEvent(time, *change) for change in plant.states.changes(now.contact, contact)]
         following = plant.contact(contact)
         self.method.entered(following)

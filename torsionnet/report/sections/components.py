@@ -91,7 +91,7 @@ def components_section(subject: ReportData) -> Section | None:
     # Of each limit the criterion that is used most: in continuous operation or in passing.
     crankshafts = {use.worst.verdict.limit: use for use in sorted(judged, key=lambda use: use.worst.utilisation or 0.0)}
     for use in crankshafts.values():
-        blocks += _throws(subject, use)
+        blocks += _throw_table(subject, use)
     blocks += [Paragraph((NO_M53,))] if crankshafts else []
     blocks += [Paragraph(("Rules and sources:",)), Listing(tuple(_sources(limits_judged)))]
     return Section("components", ("Shafts, crankshaft, couplings, gears, dampers",), tuple(blocks))
@@ -238,7 +238,7 @@ def _cells(subject: ReportData, use: ComponentUse, speed: NumberText, source: st
     return (as_words(verdict.limit), _typeset(what), shown, *numbers, speed, condition, source)
 
 
-def _throws(subject: ReportData, use: ComponentUse) -> Iterator[Block]:
+def _throw_table(subject: ReportData, use: ComponentUse) -> Iterator[Block]:
     """Table of the vibratory torque in every throw, in normal operation and where the crankshaft is used most."""
     check, normal, worst = use.worst.check, subject.normal_case, subject.judged_case(use.worst.check)
     limit, view = subject.model.definition.limits[use.worst.verdict.limit], _limit_subject(worst)

@@ -308,12 +308,12 @@ def windows_of_test(
                 kind="lost-pulses",
             )
         # The shaft may vibrate by more than a pitch: the first pickup's pulses say where it is, not the mean rotation.
-        passing = _numbers(second.name, np.interp(inside, times, numbers) - teeth * angle / (2 * np.pi), wheel)
+        passing = _tooth_numbers(second.name, np.interp(inside, times, numbers) - teeth * angle / (2 * np.pi), wheel)
         shown.append(second_shown(window, inside, passing, teeth, angle, orders.orders))
     return TestWindows(windows, tuple(shown), load, tuple(f"{second.name}: {text}" for text in pulses.remarks))
 
 
-def _numbers(name: str, places: FloatArray, wheel: Wheel) -> NDArray[np.intp]:
+def _tooth_numbers(name: str, places: FloatArray, wheel: Wheel) -> NDArray[np.intp]:
     """Teeth of the pulses of the second pickup, by where they fall in the pitches of the first one's rotation."""
     # Mean pointer of the places within a pitch: near 1 where all pulses fall on the same place of it.
     pointer = complex(np.exp(2j * np.pi * places).mean())

@@ -141,7 +141,7 @@ def pulse_channel(name: str, values: ArrayLike, reading: PulseReading, factor: f
     raw = _numbers(name, values)
     seconds = reading.seconds
     if seconds is None:
-        return PulseChannel(name, _rising(name, raw * factor), notes=("times of pulses as recorded",))
+        return PulseChannel(name, _checked_rising(name, raw * factor), notes=("times of pulses as recorded",))
     counts, remarks = _unwrapped(name, _whole(name, raw), reading)
     kept, double = _without_equal(counts)
     return PulseChannel(name, kept * seconds, seconds, (_clock_note(reading, seconds), *remarks, *double))
@@ -180,7 +180,7 @@ def _numbers(name: str, values: ArrayLike) -> FloatArray:
     return raw[:last]
 
 
-def _rising(name: str, times: FloatArray) -> FloatArray:
+def _checked_rising(name: str, times: FloatArray) -> FloatArray:
     fall = np.flatnonzero(np.diff(times) <= 0)
     if len(fall):
         at = int(fall[0])

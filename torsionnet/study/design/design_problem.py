@@ -326,7 +326,7 @@ class BoundedRows:
 
     def _surpassed(self, name: str, points: FloatArray, place: FloatArray) -> bool:
         curve = self.problem.curves[name]
-        top = curve.at(self.problem.box.inside(place), points).max()
+        top = curve.sizes_at(self.problem.box.inside(place), points).max()
         return bool(top > self._levels(name, place).max() * (1 + curve.precision))
 
     def _scaled(self, levels: FloatArray) -> FloatArray:
@@ -336,7 +336,7 @@ class BoundedRows:
         key = (name, place.tobytes())
         if key not in self._heights:
             values = self.problem.box.inside(place)
-            self._heights[key] = self.problem.curves[name].at(values, self.chosen.peaks[name])
+            self._heights[key] = self.problem.curves[name].sizes_at(values, self.chosen.peaks[name])
         return self._heights[key]
 
     def _slopes(self, name: str, place: FloatArray) -> FloatArray:

@@ -228,8 +228,8 @@ class KeptLevels:
     def grid(self, values: FloatArray) -> FloatArray:
         return self._once("grid", values, [], lambda: self.levels.grid(values))
 
-    def at(self, values: FloatArray, points: FloatArray) -> FloatArray:
-        return self._once("levels", values, points, lambda: self.levels.at(values, points))
+    def sizes_at(self, values: FloatArray, points: FloatArray) -> FloatArray:
+        return self._once("levels", values, points, lambda: self.levels.sizes_at(values, points))
 
     def slopes(self, values: FloatArray, points: FloatArray) -> FloatArray:
         slopes = self._once("slopes", values, points, lambda: self.levels.slopes(values, points).ravel())

@@ -146,7 +146,7 @@ def vanishes(node: ProgramNode) -> bool:
     """Whether a program's result, a polynomial in s, is zero for all values of s and of the symbols."""
     if node.is_zero:
         return True
-    (polynomial,) = node.program.run(InPowersOfS(Program().leaf), [node])
+    (polynomial,) = node.program.values_in(InPowersOfS(Program().leaf), [node])
     return all(surely_zero(value) for value in polynomial)
 
 
@@ -169,4 +169,4 @@ def surely_zero(node: ProgramNode | int) -> bool:
         def leaf(self, payload: Any) -> Fraction:
             return payload if isinstance(payload, Fraction) else evaluate_expression(payload, number)
 
-    return bool(node.program.run(Chance(), [node])[0] == 0)
+    return bool(node.program.values_in(Chance(), [node])[0] == 0)

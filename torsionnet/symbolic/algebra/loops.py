@@ -93,7 +93,7 @@ class ExpandedBlock:
         ring, unknowns = sympy.polys.rings.xring([f"x_{i}" for i in range(count)], sympy.QQ)
         index = {name: number for number, name in enumerate(self.names)}
         rows = [[ring.zero] * len(index) for _ in index]
-        for first, second, term in self._terms(unknowns):
+        for first, second, term in self._matrix_terms(unknowns):
             rows[index[first]][index[second]] += term
         domain, size = ring.to_domain(), len(index)
         load = [[ring.one if name == self.block.top else ring.zero] for name in self.names]
@@ -101,7 +101,7 @@ class ExpandedBlock:
         motion, determinant = stiffness.solve_den(DomainMatrix(load, (size, 1), domain), method="charpoly")
         return motion, determinant
 
-    def _terms(self, unknowns: Sequence[Any]) -> Iterator[tuple[str, str, Any]]:
+    def _matrix_terms(self, unknowns: Sequence[Any]) -> Iterator[tuple[str, str, Any]]:
         """Yield row and column (coordinates by name) and value of each term of the block's dynamic stiffness matrix."""
         ratio = dict(zip(self._ratios, unknowns[len(self._members) :], strict=False))
 

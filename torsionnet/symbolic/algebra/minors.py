@@ -30,7 +30,7 @@ def sparse_determinant(rows: Sequence[SparseRow], program: Program) -> ProgramNo
     >>> program.constant(sparse_determinant([{0: a, 1: b}, {0: c, 1: a}], program))
     Fraction(-11, 1)
     """
-    order = _order(rows)
+    order = _rows_opening_few_columns(rows)
     # Minors of the rows so far by their columns as bits: each is recorded once, however many rows need it.
     minors = {0: program.leaf(_parity(order))}
     steps = 0
@@ -57,9 +57,10 @@ def sparse_determinant(rows: Sequence[SparseRow], program: Program) -> ProgramNo
     return minors.get((1 << len(rows)) - 1, program.leaf(0))
 
 
-def _order(rows: Sequence[SparseRow]) -> list[int]:
+def _rows_opening_few_columns(rows: Sequence[SparseRow]) -> list[int]:
     """Order of a sparse matrix's rows, as indices, in which few columns are begun and unfinished at any time."""
     left, begun, order = set(range(len(rows))), set[int](), list[int]()
+    # Next the row that begins the fewest new columns.
     while left:
         number = min(left, key=lambda row: (len(set(rows[row]) - begun), row))
         left.remove(number)
