@@ -102,24 +102,20 @@ class LazyMethod:
     def __get__(self, instance: object, owner: type | None = None) -> FunctionType | MethodType:
         if self._function is None:
             module, _, name = self._place.rpartition(".")
-            self._function = getattr(importlib.import_module(module), name)
-            self._hinting = _with_argument_hints(self._function)
+            method = self._function = getattr(importlib.import_module(module), name)
+            own = _parameters(method)
+
+            @wraps(method)  # the signature is that of the method, for inspect and for editors
+            def hinting(instance: object, /, *arguments: object, **options: object) -> Any:
+                # An argument that it does not take is told with the method that does, or with what was meant.
+                for name in options:
+                    if name not in own:
+                        hint = _method_hint(type(instance), name, own)
+                        raise TypeError(f"{method.__name__}() got an unexpected keyword argument {name!r}{hint}")
+                return method(instance, *arguments, **options)
+
+            self._hinting = hinting
         return self._function if instance is None else MethodType(self._hinting, instance)
-
-
-def _with_argument_hints(method: Callable[..., Any]) -> Callable[..., Any]:
-    """Method that says, for an argument that it does not take, which other does, or what was meant."""
-    own = _parameters(method)
-
-    @wraps(method)  # the signature is that of the method, for inspect and for editors
-    def called(instance: object, /, *arguments: object, **options: object) -> Any:
-        for name in options:
-            if name not in own:
-                hint = _method_hint(type(instance), name, own)
-                raise TypeError(f"{method.__name__}() got an unexpected keyword argument {name!r}{hint}")
-        return method(instance, *arguments, **options)
-
-    return called
 
 
 def _method_hint(owner: type, name: str, own: list[str]) -> str:

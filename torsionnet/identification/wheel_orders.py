@@ -76,7 +76,7 @@ def calculated_wheel_orders(
         raise UsageError(
             f"{drivetrain.name} has no excitations: what moves the wheel is not known", kind="missing-entry"
         )
-    parts = dict(_parts(excitations))
+    parts = dict(_gas_and_masses(excitations))
     wanted = np.asarray(speeds, dtype=float)
     runs = {name: _with(drivetrain, {name.removesuffix(_MASSES): one}, node, wanted) for name, one in parts.items()}
     orders = np.array(
@@ -102,7 +102,7 @@ def calculated_wheel_orders(
 _MASSES = " masses"
 
 
-def _parts(excitations: dict[str, OrderExcitation]) -> Iterable[tuple[str, OrderExcitation]]:
+def _gas_and_masses(excitations: dict[str, OrderExcitation]) -> Iterable[tuple[str, OrderExcitation]]:
     """Excitations by name, each engine parted into its gas and its masses."""
     for name, one in excitations.items():
         if not isinstance(one, ReciprocatingEngine):

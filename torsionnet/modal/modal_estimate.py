@@ -302,7 +302,7 @@ def _places(estimate: ModalEstimate, chosen: Sequence[int]) -> str:
     return ", ".join(names)
 
 
-def _beyond(estimate: ModalEstimate) -> Iterator[NoteOrText]:
+def _notes_beyond_the_band(estimate: ModalEstimate) -> Iterator[NoteOrText]:
     low, high = estimate.frequencies[[0, -1]]
     count = len(estimate.outside_poles)
     if count:
@@ -336,7 +336,7 @@ def _rare(estimate: ModalEstimate, seen: Sequence[int], orders: int) -> Iterator
         yield warning(f"seen at one order of {orders} only, perhaps computational: {_places(estimate, rare)}")
 
 
-def _narrow(estimate: ModalEstimate) -> Iterator[NoteOrText]:
+def _notes_on_narrow_peaks(estimate: ModalEstimate) -> Iterator[NoteOrText]:
     narrow = [
         mode
         for mode, pole in enumerate(estimate.poles)

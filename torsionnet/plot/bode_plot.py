@@ -230,7 +230,7 @@ def _panels(curves: Sequence[Curve], coherence: bool | None) -> list[str]:
 def _draw(
     axes: Sequence[Axes], panels: Sequence[str], curves: Sequence[Curve], *, decibels: bool, conventions: Conventions
 ) -> None:
-    for curve, look in zip(curves, _looks(curves), strict=True):
+    for curve, look in zip(curves, _line_styles(curves), strict=True):
         size = 20 * np.log10(curve.magnitude / conventions.db_reference) if decibels else curve.magnitude
         for panel, data in zip(axes, (size, curve.phase, curve.coherence), strict=False):
             if data is not None:
@@ -257,7 +257,7 @@ def _is_constant(sizes: FloatArray) -> bool:
     return bool(sizes.size) and float(np.ptp(sizes)) < CONSTANT_MAGNITUDE * float(sizes.max())
 
 
-def _looks(curves: Sequence[Curve]) -> list[dict[str, Any]]:
+def _line_styles(curves: Sequence[Curve]) -> list[dict[str, Any]]:
     """List of the colours and dashes of the curves of a Bode plot, as keyword arguments of matplotlib.
 
     By output and input, or by transfer function and response of several ones.

@@ -46,7 +46,7 @@ def alternative_words(model: Drivetrain, overlay: Overlay) -> str:
     """
     point = overlay.operating_point
     changes = [
-        *(_parameter(model, name, value) for name, value in overlay.parameters.items()),
+        *(_changed_parameter_words(model, name, value) for name, value in overlay.parameters.items()),
         *(phrase("{name} switched on", name=_element(model, name)) for name in overlay.on),
         *(phrase("{name} switched off", name=_element(model, name)) for name in overlay.off),
         *(_entry(model, key, value, overlay.by_files.get(key)) for key, value in overlay.entries.items()),
@@ -55,7 +55,7 @@ def alternative_words(model: Drivetrain, overlay: Overlay) -> str:
     return capital(joined("; ", changes)) if changes else capital(UNCHANGED)
 
 
-def _parameter(model: Drivetrain, name: str, value: Expression) -> str:
+def _changed_parameter_words(model: Drivetrain, name: str, value: Expression) -> str:
     """Text with the new value of a parameter beside the written one, and by how much they differ.
 
     The description of a parameter is that of the written value, so that it names the new one only where no element

@@ -288,7 +288,7 @@ def _complete(function: SymbolicFraction, given: Mapping[Any, Any]) -> dict[Any,
     return values
 
 
-def _tables(function: SymbolicFraction, values: Mapping[Any, Any]) -> dict[Any, DynamicStiffness]:
+def _tables_in_numbers(function: SymbolicFraction, values: Mapping[Any, Any]) -> dict[Any, DynamicStiffness]:
     """Frequency-dependent stiffnesses (by symbol) with numeric coefficients for given values of the parameters."""
     known = {name: sympy.Rational(value.numerator, value.denominator) for name, value in values.items()}
 
@@ -305,7 +305,7 @@ def _at(function: SymbolicFraction, frequencies: FloatArray, values: Mapping[Any
     """Complex values of a transfer function at frequencies > 0 in Hz, SI, (n_f,), with more digits where needed."""
     omega = 2 * np.pi * frequencies
     known = {name: Scaled.rational(value) for name, value in values.items()}
-    known |= {name: Scaled.of(table.kappa(omega)) for name, table in _tables(function, values).items()}
+    known |= {name: Scaled.of(table.kappa(omega)) for name, table in _tables_in_numbers(function, values).items()}
     known |= {sympy.I: Scaled.of(1j)}
     algebra = NumericValues(known, Scaled.rational, Scaled.of(1j * omega))
     above, below = function.steps.values_in(algebra, function.outputs)
@@ -324,7 +324,7 @@ def _in_many_digits(function: SymbolicFraction, omega: float, values: Mapping[An
     def number(value: Fraction) -> Any:
         return mpmath.mpf(value.numerator) / value.denominator
 
-    tables = _tables(function, values)
+    tables = _tables_in_numbers(function, values)
     last: complex = complex("nan")
     for digits in PRECISIONS:
         with mpmath.workdps(digits):
@@ -342,7 +342,7 @@ def _in_many_digits(function: SymbolicFraction, omega: float, values: Mapping[An
 def static_value(function: SymbolicFraction, values: Mapping[Any, Any]) -> complex:
     """Numeric limit of a transfer function at zero frequency, SI, from exact values; may be infinite."""
     known = dict(values)
-    for name, table in _tables(function, values).items():
+    for name, table in _tables_in_numbers(function, values).items():
         known[name] = exact(complex(table.kappa(np.zeros(1))[0]).real)
     known = {name: sympy.Rational(value.numerator, value.denominator) for name, value in known.items()}
 

@@ -144,7 +144,7 @@ def command_text(session: Session, state: State) -> str:
         words += ["-c", label(dict(state.choice), session.base.definition.configurations)]
     for name, value in state.values.items():
         words += ["--set", f"{name}={value}"]
-    words += ["--output", state.output, *([] if state.axis == "speed" else _of_response(session, state))]
+    words += ["--output", state.output, *([] if state.axis == "speed" else _response_options(session, state))]
     if state.axis == "speed" and session.measured is not None:
         words += ["--measured", str(session.measured)]
     if state.angle != "rad":
@@ -153,7 +153,7 @@ def command_text(session: Session, state: State) -> str:
     return subprocess.list2cmdline(words) if os.name == "nt" else shlex.join(words)
 
 
-def _of_response(session: Session, state: State) -> list[str]:
+def _response_options(session: Session, state: State) -> list[str]:
     """Options of ``torsionnet frf`` for the input, the band and the form of a response."""
     words = ["--input", state.input]
     if state.excitation and len(session.base.inputs) != 1:

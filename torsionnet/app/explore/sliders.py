@@ -214,6 +214,7 @@ def followed_torques(
     torques = np.array(list(loose.values()))
     shares = np.array([along(place) for place in loose]).T.reshape(len(free), len(loose))
     needed = -sum((step * along(place) for place, step in steps.items()), np.zeros(len(free)))
+    # First all loose torques by one factor, as far as that balances; what is left by least changes.
     together, apart = shares @ torques, np.abs(shares) @ np.abs(torques)
     factor = 0.0
     if np.linalg.norm(together) > LEAST_TOGETHER * np.linalg.norm(apart):

@@ -200,7 +200,7 @@ def resolve_inputs(
     if excitation is not None:
         excitations = _chosen(drivetrain, excitation)
     elif len(drivetrain.inputs) == 1:
-        excitations = (_present(drivetrain, *drivetrain.inputs),)
+        excitations = (_checked_input(drivetrain, *drivetrain.inputs),)
     elif drivetrain.inputs:
         several = f"the model has several inputs; say with {remedy('driven_by=')} which one drives"
         raise UsageError(f"{several}{_known_inputs(drivetrain)}", kind="wrong-count")
@@ -248,7 +248,7 @@ def _torque_on_nodes(drivetrain: AssembledModel, name: Any) -> Input | None:
     return _torque_on(drivetrain, Input("torque", *pair))
 
 
-def _present(drivetrain: AssembledModel, name: str) -> Input:
+def _checked_input(drivetrain: AssembledModel, name: str) -> Input:
     channel = drivetrain.inputs[name]
     missing = next((node for node in channel.nodes if node not in drivetrain.nodes), None)
     if missing is not None:
@@ -275,7 +275,7 @@ def _named_input(drivetrain: AssembledModel, name: Any) -> Input:
     if isinstance(name, Input):
         return _given(drivetrain, name)
     if name in drivetrain.inputs:
-        return _present(drivetrain, name)
+        return _checked_input(drivetrain, name)
     torque = _torque_on_nodes(drivetrain, name)
     if torque is not None:
         return torque
@@ -297,7 +297,7 @@ def _given(drivetrain: AssembledModel, channel: Input) -> Input:
         return _torque_on(drivetrain, channel)
     for name, declared in drivetrain.inputs.items():
         if channel == declared:
-            return _present(drivetrain, name)
+            return _checked_input(drivetrain, name)
     raise UsageError(
         f"the model has no {channel}; an imposed angle must stand in its entry inputs:, a torque must act on its nodes",
         kind="unknown-channel",
@@ -371,7 +371,7 @@ def _input(drivetrain: AssembledModel, entry: str | Sensor | Input) -> Input | F
     if isinstance(entry, Input):
         return _given(drivetrain, entry)
     if isinstance(entry, str) and entry in drivetrain.inputs:
-        return _present(drivetrain, entry)
+        return _checked_input(drivetrain, entry)
     if named_sensor(entry, drivetrain.sensors) is not None:
         return named_output(drivetrain, entry)
     torque = _torque_on_nodes(drivetrain, entry)

@@ -271,14 +271,14 @@ def _solved(
         batch = batch_over_speeds(held, reference, at)
         if batch is not None and not batch.moduli:
             _refuse_actions(held)
-            yield _per_torque(batch.law_stiffness(np.zeros(1)), _request(held, wanted, nodes)), everywhere
+            yield _per_torque(batch.law_stiffness(np.zeros(1)), _static_request(held, wanted, nodes)), everywhere
             return
         groups = drivetrains_at_speeds(held, reference, at)
     for rigs, places in blocks_of_speeds(groups):
         for rig in rigs:
             _refuse_actions(rig)
         kappa = law_stiffness([rig.assembly.system for rig in rigs], np.zeros(1))
-        yield _per_torque(kappa, _request(rigs[0], wanted, nodes)), places
+        yield _per_torque(kappa, _static_request(rigs[0], wanted, nodes)), places
 
 
 def external_torques(
@@ -356,7 +356,7 @@ def _held(drivetrain: AssembledModel) -> AssembledModel:
     return drivetrain.with_definition(replace(definition, elements=elements))
 
 
-def _request(held: AssembledModel, outputs: Sequence[Functional], nodes: Sequence[str]) -> TransferRequest:
+def _static_request(held: AssembledModel, outputs: Sequence[Functional], nodes: Sequence[str]) -> TransferRequest:
     """Request for responses per torque on each node, of the outputs and then of torques on clamped nodes.
 
     It is made once for all speeds asked for, as its plan of elimination takes longer than a solution at rest.

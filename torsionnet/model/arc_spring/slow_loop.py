@@ -102,6 +102,7 @@ class ArcSprings:
 
 def _front(share: float) -> float:
     """Root y > 0 of y - ln(1 + y) = share, by Newton's method from its first term y^2/2."""
+    # y - ln(1 + y) = share by Newton's method, from its first terms y^2/2 - y^3/3.
     y = math.sqrt(2 * share) + share / 1.5
     for _ in range(30):
         step = (y - math.log1p(y) - share) * (1 + y) / y if y else 0.0

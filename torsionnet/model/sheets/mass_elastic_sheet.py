@@ -103,7 +103,9 @@ def decide_side(columns: SheetColumns, rows: SheetRows, grid: CellGrid, option: 
         unclear += [cell] if is_unclear else []
         said += [] if side is None else [side]
         remarks.append(SheetRemark(cell.text, cell.line, "" if side is None else "referred" if side else "real"))
-        faults += [grid.fault(text, cell, kind="contradicting-entries") for text in _weighing(cell.text, columns)]
+        faults += [
+            grid.fault(text, cell, kind="contradicting-entries") for text in _remarks_on_sizes(cell.text, columns)
+        ]
     for cell in _free_cells(columns):
         unclear += [cell] if any(remark_side(cell.text, names)) else []
     if not option and _turn_apart(rows.ratios):
@@ -162,7 +164,7 @@ def _free_cells(columns: SheetColumns) -> list[Cell]:
     return [cell for cell in cells if cell.text and not is_like_number(cell.text)]
 
 
-def _weighing(text: str, columns: SheetColumns) -> Iterator[str]:
+def _remarks_on_sizes(text: str, columns: SheetColumns) -> Iterator[str]:
     """Messages on what a remark may say of the size of values, which a heading has to say."""
     if has_power(text) and _OF_VALUES.search(text):
         yield f'"{text}" may give a factor of values; put it into the heading of its column, as k [10^6 N*m/rad]'

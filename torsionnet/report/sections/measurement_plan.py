@@ -321,7 +321,7 @@ def _unit_of(run: OrderResponse, subject: ReportData) -> tuple[float, str]:
     return engineering_unit(run.outputs[0].unit, subject.conventions, **size)
 
 
-def _table(
+def _place_table(
     subject: ReportData,
     case: Case,
     place: MeasuringPlace,

@@ -32,7 +32,7 @@ from torsionnet.signals.rotation.pitch_order import (
     constant_part,
     repeating,
     speed_groups,
-    student,
+    student_quantile,
 )
 from torsionnet.signals.rotation.pulse_channel import PulseChannel
 from torsionnet.signals.rotation.pulse_deviations import UNIFORM_STEPS
@@ -265,7 +265,7 @@ def _converged(stack: Stack, orders: OrderSet, evidence: PitchEvidence) -> tuple
         # Amplitudes with the pattern known so far taken out: what shows of the pattern still is added to it.
         first = amplitudes(stack.first, positions, count)
         second = amplitudes(stack.second, positions, count) if stack.second else None
-        rows = [_row(order, orders, evidence, first, second, known) for order in orders.whole]
+        rows = [_pattern_order(order, orders, evidence, first, second, known) for order in orders.whole]
         change = sum(
             ((row.value - known[row.order]) * np.exp(1j * row.order * tooth)).real for row in rows if row.resolved
         ) - _beyond(stack, positions, orders, evidence.wheel)
@@ -276,7 +276,7 @@ def _converged(stack: Stack, orders: OrderSet, evidence: PitchEvidence) -> tuple
     return positions, rows
 
 
-def _row(
+def _pattern_order(
     order: int,
     orders: OrderSet,
     evidence: PitchEvidence,
@@ -315,7 +315,7 @@ def _over_windows(stack: Stack, positions: FloatArray) -> tuple[FloatArray, Floa
     squares = (np.where(there, left - mean, 0.0) ** 2).sum(axis=0)
     freedom = np.maximum(count - 1, 1)
     variance = squares / freedom
-    return mean, student(freedom) * np.sqrt(variance / np.maximum(count, 1)), variance
+    return mean, student_quantile(freedom) * np.sqrt(variance / np.maximum(count, 1)), variance
 
 
 def _loose(stack: Stack, positions: FloatArray, wheel: Wheel) -> list[Note]:
@@ -376,7 +376,7 @@ def _result(
     # Steps of a counter may repeat with each turn at a steady speed: the scatter between windows does not show those.
     once = np.full(teeth, evidence.time**2 * np.mean((stack.speeds / wheel.ratio) ** 2) / evidence.turns)
     common = repeating(once, evidence.periods * float(np.mean(variance[present])))
-    scatter = np.hypot(scatter, student(NORMAL) * common / np.sqrt(1 + evidence.groups.max()))
+    scatter = np.hypot(scatter, student_quantile(NORMAL) * common / np.sqrt(1 + evidence.groups.max()))
     # Squares add: the scatter of a tooth, the intervals of the orders, and orders not resolved with all they have.
     of_orders = sum(row.half_width**2 for row in rows if row.resolved)
     not_known = sum(abs(row.value) ** 2 for row in rows if not row.resolved)

@@ -16,7 +16,7 @@ import numpy as np
 from torsionnet.base.phrases import phrase
 from torsionnet.model.arc_spring.slow_loop import ArcSprings, SlowLoop, loop_from_top
 from torsionnet.signals.recording import FloatArray
-from torsionnet.signals.torque_loops.loop_numbers import student
+from torsionnet.signals.torque_loops.loop_numbers import student_quantile
 from torsionnet.signals.torque_loops.loop_result import LoopValue, TorqueLoop
 
 ARC = 2.6
@@ -108,7 +108,7 @@ def arc_loops(loops: Sequence[TorqueLoop]) -> ArcLoops | None:
     if np.sqrt(np.mean(np.concatenate([one.shares(logs) for one in cases]) ** 2)) > ALIKE:
         return None
     freedom = max(1, 2 * len(cases) - 1)
-    scatter = max(1.0, float(np.sqrt(2 * fit.cost / freedom))) * student(freedom)
+    scatter = max(1.0, float(np.sqrt(2 * fit.cost / freedom))) * student_quantile(freedom)
     spread = np.linalg.pinv(fit.jac.T @ fit.jac)
     errors = np.append(np.sqrt(np.diag(spread)), np.zeros(3 - free))
     size = float(np.exp(logs[0] + logs[1]))

@@ -223,7 +223,7 @@ class _Running(Generic[S]):
             if not self.finished.has_ready():
                 self.absence.update(self._threads(), later + sum(map(len, self.tasks.values())))
 
-    def _next(self) -> list[tuple[S, DoneChunk[Any]]]:
+    def _finished_parts(self) -> list[tuple[S, DoneChunk[Any]]]:
         """Parts of the study and the workers' reports on them, of the tasks that finished since the last call."""
         ended = self.finished.next_batch(block=True)
         # What was not fetched is lost with its worker, and is waited for like what was in hand there.
