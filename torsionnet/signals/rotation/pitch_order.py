@@ -192,9 +192,11 @@ def constant_part(
         if inside == 0 or of_speeds / inside > _fisher(2 * few, 2 * (len(values) - len(count))):
             error, freedom, between = of_speeds, few, True
     # Real and imaginary part have half the variance each, and together twice the degrees of freedom.
-    half = student(2 * freedom) * np.sqrt(error / 2) * spread
+    half = student_quantile(2 * freedom) * np.sqrt(error / 2) * spread
     if repeating is not None and not between:
-        half = np.hypot(half, student(NORMAL) * np.sqrt(np.mean(repeating**2)) * _spread(places, np.ones(len(count))))
+        half = np.hypot(
+            half, student_quantile(NORMAL) * np.sqrt(np.mean(repeating**2)) * _spread(places, np.ones(len(count)))
+        )
     return ConstantPart(value, float(half), change, float(scatter), between)
 
 
@@ -213,10 +215,10 @@ def _spread(terms: ComplexArray, weights: FloatArray) -> float:
     return float(np.sqrt(inverse[0, 0].real))
 
 
-def student(freedom: int | NDArray[np.intp]) -> FloatArray:
+def student_quantile(freedom: int | NDArray[np.intp]) -> FloatArray:
     """Half width of the 95 % interval of a mean over its standard error, by degrees of freedom.
 
-    >>> student(10).round(3).item()
+    >>> student_quantile(10).round(3).item()
     2.228
     """
     from scipy.special import stdtrit

@@ -81,10 +81,10 @@ class LoopRecord:
         return found.chosen(inside)
 
 
-def student(freedom: int, confidence: float = CONFIDENCE) -> float:
+def student_quantile(freedom: int, confidence: float = CONFIDENCE) -> float:
     """Quantile of Student's distribution for the half width of an interval.
 
-    >>> round(student(4), 3)
+    >>> round(student_quantile(4), 3)
     2.776
     """
     from scipy.special import stdtrit
@@ -119,8 +119,8 @@ def common_lines(record: LoopRecord, cycles: Sequence[Cycle]) -> tuple[JoinedLin
         weak = np.abs(changes.mean(axis=0)) / np.maximum(np.abs(lines.slopes[:-1]), np.abs(lines.slopes[1:]))
         surely = np.full(len(weak), np.inf)
         if len(parts) > 2:
-            scatter = changes.std(axis=0, ddof=1) / np.sqrt(len(parts))
-            surely = np.abs(changes.mean(axis=0)) / np.maximum(scatter * student(len(parts) - 1, REPEATED), 1e-300)
+            scatter = changes.std(axis=0, ddof=1) / np.sqrt(len(parts)) * student_quantile(len(parts) - 1, REPEATED)
+            surely = np.abs(changes.mean(axis=0)) / np.maximum(scatter, 1e-300)
         worst = np.minimum(weak / SAME_SLOPE, surely)
         if worst.min() >= 1:
             break
@@ -185,7 +185,7 @@ def flat_piece(each: Sequence[JoinedLines]) -> int | None:
     slopes = np.array([one.slopes for one in each])
     mean, doubt = slopes.mean(axis=0), np.zeros(slopes.shape[1])
     if len(each) > 1:
-        doubt = student(len(each) - 1) * slopes.std(axis=0, ddof=1) / np.sqrt(len(each))
+        doubt = student_quantile(len(each) - 1) * slopes.std(axis=0, ddof=1) / np.sqrt(len(each))
     for piece in range(1, len(mean) - 1):
         free = FREE * min(mean[piece - 1], mean[piece + 1])
         if abs(mean[piece]) < free + min(doubt[piece], DOUBT * free):
@@ -274,8 +274,8 @@ def mean_value(values: FloatArray, further: float) -> LoopValue:
     count = len(values)
     if count < 2:
         return LoopValue(float(values[0]))
-    half = student(count - 1) * float(values.std(ddof=1)) / np.sqrt(count)
-    return LoopValue(float(values.mean()), float(np.hypot(half, student(10**6) * further)))
+    half = student_quantile(count - 1) * float(values.std(ddof=1)) / np.sqrt(count)
+    return LoopValue(float(values.mean()), float(np.hypot(half, student_quantile(10**6) * further)))
 
 
 def loop_of(
