@@ -54,7 +54,7 @@ ELEMENT_TYPES: TypeRegister[type[Element]] = TypeRegister(
     "torsionnet.model.elements",
     {
         "springs": ("spring", "damper"),
-        "rigid": ("inertia", "gear", "planetary", "differential", "rigid_coupling", "lock"),
+        "inertias_and_gears": ("inertia", "gear", "planetary", "differential", "rigid_coupling", "lock"),
         "contacts": ("clearance", "friction"),
         "dampers": ("viscous_damper", "tuned_damper", "spring_damper", "pendulum_absorber"),
         "electric_machines": ("synchronous_machine", "induction_machine", "grid_generator"),
