@@ -77,12 +77,12 @@ def test_a_word_that_is_none_is_told_at_its_place(tmp_path):
 
 
 def test_state_of_simulations_is_read_and_refused(tmp_path):
-    from torsionnet.app.cli.commands.periodic import _start
+    from torsionnet.app.cli.commands.periodic import _initial_state
     from torsionnet.motion import MotionStart
 
-    assert _start(()) is None
-    assert _start(("rest",)) == "rest"
-    assert _start(("a=0.1,0", "b=0,-2")) == MotionStart({"a": 0.1, "b": 0.0}, {"a": 0.0, "b": -2.0})
+    assert _initial_state(()) is None
+    assert _initial_state(("rest",)) == "rest"
+    assert _initial_state(("a=0.1,0", "b=0,-2")) == MotionStart({"a": 0.1, "b": 0.0}, {"a": 0.0, "b": -2.0})
     (tmp_path / "rattle.yaml").write_text(RATTLE)
     asked = ("periodic", str(tmp_path / "rattle.yaml"), "--output", "twist(mesh)", "--frequencies", "50,51", *DRIVEN)
     for state, kind in (("sleep", "unknown-word"), ("a=0.1", "wrong-form"), ("c=0.1,0", "unknown-node")):

@@ -129,16 +129,16 @@ def _type(kind: Any, field: dataclasses.Field[Any]) -> Any:
     return get_type_hints(declared, vars(sys.modules[home.__module__]), parts)[field.name]
 
 
-def _value(kind: Any, data: Any) -> Any:
+def _read_value(kind: Any, data: Any) -> Any:
     """Value of a declared type from its data."""
     if kind == NoteOrText:
         return data if isinstance(data, str) else Note(**data)
     arguments = get_args(kind)
     match get_origin(kind):
         case origin if origin is Annotated:
-            return _value(arguments[0], data)
+            return _read_value(arguments[0], data)
         case origin if origin in (Union, types.UnionType):
-            return None if data is None else _value(_fitting(arguments, data), data)
+            return None if data is None else _read_value(_fitting(arguments, data), data)
         case origin if origin is tuple:
             # tuple[T, ...] has one type for all parts.
             kinds = arguments[:1] * len(data) if arguments[1:] == (...,) else arguments

@@ -122,7 +122,7 @@ def _runs_otherwise(between: Between, problem: FitProblem) -> Iterator[bool]:
             yield bool(np.abs(shares - 1).max() > NOTED_EFFECT)
 
 
-def _values(rig: AssembledModel) -> Iterator[Cause]:
+def _wrong_value_causes(rig: AssembledModel) -> Iterator[Cause]:
     """Causes of a misfit by a wrong inertia, stiffness, damping or ratio, a parameter or plain number of the model."""
     definition, seen = rig.definition, set()
     for element in definition.active:

@@ -405,7 +405,7 @@ def interval_half_width(level: float, error: float, steps: Sequence[Sequence[flo
     if not np.isfinite(error) or known <= NEGLIGIBLE_VARIANCE_SHARE * error**2:
         return usual
     # The error of the steps is not normal: noise of Student's law about each error that they may make.
-    moved, noise = _combined(steps), np.sqrt(max(error**2 - known, NEGLIGIBLE_VARIANCE_SHARE * error**2))
+    moved, noise = _errors_of_combinations(steps), np.sqrt(max(error**2 - known, NEGLIGIBLE_VARIANCE_SHARE * error**2))
 
     def missed(width: float) -> float:
         outside = scipy.stats.t.sf((width - moved) / noise, freedom) + scipy.stats.t.cdf(
@@ -416,7 +416,7 @@ def interval_half_width(level: float, error: float, steps: Sequence[Sequence[flo
     return float(scipy.optimize.brentq(missed, 0.0, usual + float(np.abs(moved).max())))
 
 
-def _combined(steps: Sequence[Sequence[float]]) -> FloatArray:
+def _errors_of_combinations(steps: Sequence[Sequence[float]]) -> FloatArray:
     """Errors of a value by the sensor steps of all tests, one for each combination of rest positions, shape (1024,).
 
     The sets fill a cube evenly (generalised golden ratio).

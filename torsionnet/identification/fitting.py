@@ -253,9 +253,9 @@ def best_optimum(problem: FitProblem, loss: str, starts: int = 1, seed: int = 0)
     for first in [start] if start is begun[0] else [start, begun[0]]:
         best = stepwise_optimum(problem, best, first, loss)
     if problem.has_records:
-        return _settled(problem, best, loss, problem.learn_noise, NOISE_ROUNDS, SETTLED_CHANGE)
+        return _optimum_with_its_noise(problem, best, loss, problem.learn_noise, NOISE_ROUNDS, SETTLED_CHANGE)
     if problem.has_unknown_noise:
-        return _settled(problem, best, loss, problem.learn_noise, LINE_NOISE_ROUNDS, SETTLED_BY_LINES)
+        return _optimum_with_its_noise(problem, best, loss, problem.learn_noise, LINE_NOISE_ROUNDS, SETTLED_BY_LINES)
     return best
 
 
@@ -276,7 +276,7 @@ def _judge_fit(model: Drivetrain, problem: FitProblem, best: LeastSquaresSolutio
                 trust = loss_weights(problem.residuals(values), loss, best.scale)
                 problem.learn_from_residuals(values, trust)
 
-            best = _settled(problem, best, loss, learn, LINE_NOISE_ROUNDS, SETTLED_BY_LINES)
+            best = _optimum_with_its_noise(problem, best, loss, learn, LINE_NOISE_ROUNDS, SETTLED_BY_LINES)
         return make_fit(model, problem, best, loss, lack)
     problem.take_measured_noise(best.x)
     best = local_optimum(problem, best.x, loss)

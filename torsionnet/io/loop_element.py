@@ -52,7 +52,7 @@ def loop_element(found: TorqueLoops) -> Drivetrain:
     elif both and loop.free_play is None:
         spring = Spring("springs", nodes=NODES, stages=_stages(both, parameter))
     else:
-        spring = Spring("springs", nodes=NODES, torque_over_twist=_rows(loop))
+        spring = Spring("springs", nodes=NODES, torque_over_twist=_spring_line_rows(loop))
     elements = [spring, Lock("clamp", node=NODES[1])]
     if loop.friction.value > 0 and (loop.friction.half_width or 0.0) < loop.friction.value:
         torque = parameter("M", loop.friction, "N*m")
@@ -103,7 +103,7 @@ def _stages(stages: Sequence[LoopStage], parameter: Any) -> list[Any]:
     return entries
 
 
-def _rows(loop: TorqueLoop) -> list[list[str]]:
+def _spring_line_rows(loop: TorqueLoop) -> list[list[str]]:
     """Rows of twist and torque at the ends and breaks of a spring line."""
     begins = [
         stage.begins.value * (1 if stage.side == "drive" else -1) for stage in loop.stages if stage.begins is not None

@@ -134,7 +134,7 @@ def read_tracked_orders(path: str | os.PathLike[str]) -> tuple[TrackedOrders, ..
     heads, notes, rows = _read(file)
     heading, *body = rows or [(1, [])]
     channels = _channels(file, *heading)
-    numbers = _numbers(file, heading[1], body)
+    numbers = _numbers_of_rows(file, heading[1], body)
     times, begins = np.unique(numbers[:, 0], return_index=True)
     orders = np.unique(numbers[:, 2])
     faults = _misplaced(file, numbers, [line for line, _ in body], len(times) * len(orders))
@@ -292,7 +292,7 @@ def _heading_fault(file: Path, line: int, heading: Sequence[str], place: int, te
     return Fault(text, position=Position(file.name, line, column, column + len(heading[place])), kind=kind)
 
 
-def _numbers(file: Path, heading: list[str], body: list[tuple[int, list[str]]]) -> FloatArray:
+def _numbers_of_rows(file: Path, heading: list[str], body: list[tuple[int, list[str]]]) -> FloatArray:
     """Numbers of all rows, NaN for empty cells of half widths and half ranges."""
     may_lack = [text.endswith("]") and (" half_width [" in text or " half_range [" in text) for text in heading]
     rows, faults = [], []

@@ -140,10 +140,10 @@ def circle_fit(
     chosen = response.select(output, input)
     if len(chosen.outputs) * len(chosen.inputs) != 1:
         raise UsageError("a circle is fitted to one transfer function; name its output= and input=", kind="wrong-count")
-    return _fitted(chosen, *_points(chosen, near, damping_model, band), damping_model)
+    return _fitted(chosen, *_fitted_points(chosen, near, damping_model, band), damping_model)
 
 
-def _points(
+def _fitted_points(
     response: FrequencyResponse, near: float, damping: str, band: tuple[float, float] | None
 ) -> tuple[FloatArray, ComplexArray, FloatArray, str]:
     """Frequency in rad/s, mobility or receptance, and weight of each line fitted, each (n,), and the points' unit."""

@@ -259,7 +259,7 @@ def record_lines(response: FrequencyResponse, lines: Lines, poles: ComplexArray,
 
 def fit_record(lines: Lines, start: ComplexArray, settings: Settings, *, automatic: bool) -> RecordFit:
     """Modes fitted to the lines of a record from start poles in rad/s, ``automatic`` as many as lower the BIC."""
-    poles = _chosen(lines, start, settings) if automatic else start
+    poles = _poles_worth_their_unknowns(lines, start, settings) if automatic else start
     refined = refine(lines, poles, settings)
     problem, at = refined.problem, refined.logarithms
     expansion = expand(replace(problem.without_transients(at), s=lines.s), refined.poles, settings)
@@ -268,7 +268,7 @@ def fit_record(lines: Lines, start: ComplexArray, settings: Settings, *, automat
     return RecordFit(refined, expansion, np.asarray(share))
 
 
-def _chosen(lines: Lines, start: ComplexArray, settings: Settings) -> ComplexArray:
+def _poles_worth_their_unknowns(lines: Lines, start: ComplexArray, settings: Settings) -> ComplexArray:
     """Poles in rad/s worth their unknowns, of the start poles and of linear fits of rising order to the record."""
     scale = float(np.abs(lines.s).max())
     scaled = replace(lines, s=lines.s / scale)

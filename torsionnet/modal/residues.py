@@ -73,18 +73,18 @@ def expand(lines: Lines, poles: ComplexArray, settings: Settings, rows: ComplexA
     for o in range(outputs):
         if rows is None or inputs == 1:
             for i in range(inputs):
-                residues[:, o, i], ends[:, o, i : i + 1] = _solve(
+                residues[:, o, i], ends[:, o, i : i + 1] = _residues_of_output(
                     lines, o, [i], poles, np.ones((len(poles), 1), dtype=complex), settings
                 )
         else:
             scaled = rows / np.abs(rows).max(axis=1, keepdims=True)
-            shape, ends[:, o] = _solve(lines, o, list(range(inputs)), poles, scaled, settings)
+            shape, ends[:, o] = _residues_of_output(lines, o, list(range(inputs)), poles, scaled, settings)
             residues[:, o] = shape[:, None] * scaled
     residues.imag[poles.imag == 0] = 0.0
     return Expansion(poles, residues, ends[0], ends[1])
 
 
-def _solve(
+def _residues_of_output(
     lines: Lines, output: int, inputs: list[int], poles: ComplexArray, rows: ComplexArray, settings: Settings
 ) -> tuple[ComplexArray, FloatArray]:
     """Shape (n,) of all modes at one output, complex, and residual terms below and above the band (2, n_in)."""

@@ -349,10 +349,10 @@ def stabilisation(response: FrequencyResponse, settings: Settings | None = None)
     [(-6.07+24.035j), (-38.561+76.597j)]
     """
     chosen = settings or Settings()
-    return _chosen(response, chosen) if chosen.method == "auto" else diagram(response, chosen)
+    return _diagram_of_lower_bic(response, chosen) if chosen.method == "auto" else diagram(response, chosen)
 
 
-def _chosen(response: FrequencyResponse, settings: Settings) -> Stabilisation:
+def _diagram_of_lower_bic(response: FrequencyResponse, settings: Settings) -> Stabilisation:
     """Diagram of the method whose modes have the lower BIC, the rational fraction unless the difference is clear."""
     plans: tuple[tuple[Method, Selection, int], ...] = (
         ("rational", "order", min(DEFAULT_HIGHEST_ORDER["rational"], settings.order)),

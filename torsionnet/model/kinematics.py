@@ -109,7 +109,7 @@ def owned_parts(definition: Definition, value: Values) -> tuple[OwnedPart, ...]:
     return tuple(OwnedPart(element.name, part) for element in definition.active for part in element.parts(value))
 
 
-def _made(element: Element, value: Values, known: MadeParts | None) -> MadeParts:
+def _parts_of_element(element: Element, value: Values, known: MadeParts | None) -> MadeParts:
     """Laws, constraints and actions of an element; those ``known`` are taken where none of its parameters changed."""
     if known is not None and known.of is element:
         names = known.names

@@ -246,7 +246,7 @@ def _angles(
             held.append(row.row)
     finish = []
     for action in plant.actions:
-        gain, offset, settle = _settled(action, float(action.sensed @ v))
+        gain, offset, settle = _steady_controller(action, float(action.sensed @ v))
         K = K - gain * np.outer(action.row, action.sensed)
         load += offset * action.row
         finish.append((action, settle))
@@ -269,7 +269,7 @@ def _integrates(action: LawStates) -> bool:
     return bool(len(action.F)) and bool(np.linalg.cond(action.F) > 1 / FREE)
 
 
-def _settled(action: LawStates, rate: float) -> tuple[float, float, Any]:
+def _steady_controller(action: LawStates, rate: float) -> tuple[float, float, Any]:
     """Torque gain y + offset of a controller in steady motion at a rate in rad/s, and its states over the angle y.
 
     One with an integrator has no such states; it starts from zero.

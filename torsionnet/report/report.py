@@ -256,7 +256,7 @@ def make_report(
                 f'expected {" or ".join(known)} as the {what} of a report, got "{chosen}"{did_you_mean(chosen, known)}',
                 kind="unknown-word",
             )
-    drivetrain, file, data, inputs = _read(model)
+    drivetrain, file, data, inputs = _read_model(model)
     if settings:
         drivetrain = drivetrain.configured(**settings)
     shown = tuple(studies)
@@ -339,7 +339,7 @@ def _measured_inputs(request: ReportRequest) -> tuple[tuple[str, str], ...]:
     return tuple(inputs)
 
 
-def _read(model: Model) -> tuple[Drivetrain, Path, bytes, tuple[tuple[str, str], ...]]:
+def _read_model(model: Model) -> tuple[Drivetrain, Path, bytes, tuple[tuple[str, str], ...]]:
     """Drivetrain of a model, the file it was read from if any, the bytes that describe it, and the further inputs.
 
     These are the files that the model names, with their SHA-256; what is described in Python holds their numbers.

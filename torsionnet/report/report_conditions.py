@@ -49,8 +49,8 @@ def alternative_words(model: Drivetrain, overlay: Overlay) -> str:
         *(_changed_parameter_words(model, name, value) for name, value in overlay.parameters.items()),
         *(phrase("{name} switched on", name=_element(model, name)) for name in overlay.on),
         *(phrase("{name} switched off", name=_element(model, name)) for name in overlay.off),
-        *(_entry(model, key, value, overlay.by_files.get(key)) for key, value in overlay.entries.items()),
-        *([] if point is None else [_named("operating_point", point.to_data(), None, "")]),
+        *(_changed_entry_words(model, key, value, overlay.by_files.get(key)) for key, value in overlay.entries.items()),
+        *([] if point is None else [_named_value_text("operating_point", point.to_data(), None, "")]),
     ]
     return capital(joined("; ", changes)) if changes else capital(UNCHANGED)
 
@@ -105,7 +105,7 @@ def _element(model: Drivetrain, name: str) -> str:
     return element.description or as_words(name)
 
 
-def _entry(model: Drivetrain, key: str, value: Any, written: Any = None) -> str:
+def _changed_entry_words(model: Drivetrain, key: str, value: Any, written: Any = None) -> str:
     """Text of a changed entry of an excitation, an element or the load, which its author may have written by a file."""
     owner, _, name = key.rpartition(".")
     section = section_of(model.definition, key)
@@ -124,7 +124,7 @@ def _entry(model: Drivetrain, key: str, value: Any, written: Any = None) -> str:
             value = {key: new for key, new in value.items() if str(before.get(key)) != str(new)} or value
     what = phrase("load") if owner == LOAD else as_words(owner)
     points = "{name}: pressure trace of {count} points" if name == GAS else "{name}: {count} values"
-    return joined("", (what, ": ", _named(name, value, written, points)))
+    return joined("", (what, ": ", _named_value_text(name, value, written, points)))
 
 
 def _unloaded(excitation: Any, value: Any) -> str:
@@ -143,7 +143,7 @@ def _cylinders(value: Any) -> str:
     return phrase(template, number=", ".join(map(str, numbers)))
 
 
-def _named(name: str, value: Any, written: Any, points: str) -> str:
+def _named_value_text(name: str, value: Any, written: Any, points: str) -> str:
     """Text of an entry with its name and its value; of a list too long, ``points`` or the file that it came from."""
     if isinstance(value, Mapping) and not _is_long(value.get("pressures")):
         own = written if isinstance(written, Mapping) else {}

@@ -83,7 +83,7 @@ def _run_up(check: LimitCheck) -> RunUpCheck:
     return check.run_up
 
 
-def _rows(checks: list[LimitCheck]) -> Iterator[tuple[LimitCheck, PassedLimit]]:
+def _judged_cases(checks: list[LimitCheck]) -> Iterator[tuple[LimitCheck, PassedLimit]]:
     """Yield each criterion in the first condition that judges it, then in the worst one if it is clearly worse."""
     of_criterion: dict[tuple[str, str], list[tuple[LimitCheck, PassedLimit]]] = {}
     for check in checks:

@@ -80,7 +80,7 @@ def results_table(
         if numbers.is_numeric(index):
             prefix, factor = prefix_of(column.unit, largest[column.unit])
             columns.append(Heading(heading, unit(prefix + column.unit) if column.unit else "", numeric=True))
-            cells.append(_numbers(values, column.digits, factor))
+            cells.append(_number_cells(values, column.digits, factor))
         else:
             columns.append(Heading(heading, unit(column.unit) if column.unit else ""))
             is_unit = column.name == "unit"
@@ -140,7 +140,7 @@ def with_decimals(block: TableBlock, decimals: Mapping[str, int]) -> TableBlock:
     return replace(block, groups=groups)
 
 
-def _numbers(values: Sequence[Any], digits: int, factor: float) -> list[Cell]:
+def _number_cells(values: Sequence[Any], digits: int, factor: float) -> list[Cell]:
     """Numbers of a column divided by a factor, as cells with a number of significant digits.
 
     Empty texts where the column has no number.
@@ -258,7 +258,7 @@ def _column_scales(columns: Sequence[Column], units: ShownUnits) -> list[tuple[f
     return scales
 
 
-def _row(row: tuple[Any, ...], places: Sequence[int], units: ShownUnits) -> tuple[Any, ...]:
+def _row_in_shown_units(row: tuple[Any, ...], places: Sequence[int], units: ShownUnits) -> tuple[Any, ...]:
     """Row of a table with units in it, converted to the units of the study."""
     names = [value for value in row if isinstance(value, str) and value in units.si]
     shown = list(row)

@@ -112,7 +112,7 @@ def estimate(
     watch = ResolutionWatch(outputs, inputs[0], (settings or Welch()).seconds) if inputs else None
     spectra, records = _spectra(measured, (*outputs, *inputs, *references), settings, watch)
     asked = estimator or ("Hr" if references else spectra.settings.estimator) or "H1"
-    chosen = _check(asked, outputs, inputs, references, noise_ratio)
+    chosen = _require_estimable(asked, outputs, inputs, references, noise_ratio)
     s_xx, s_xy = spectra.between(inputs, inputs), spectra.between(inputs, outputs)
     s_yy = spectra.between(outputs, outputs)
     if chosen == "Hr":
@@ -191,7 +191,7 @@ def _origin(
     return with_record(estimation, outputs, inputs[0], *records) if records and len(inputs) == 1 else estimation
 
 
-def _check(
+def _require_estimable(
     estimator: str,
     outputs: Sequence[str],
     inputs: Sequence[str],

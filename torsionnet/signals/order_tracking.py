@@ -87,7 +87,7 @@ def sweep_harmonics(
     cycles = sweep_cycles(instantaneous, chosen.sampling_rate)
     centres = _centres(cycles, periods, points)
     # All orders at once by weighted least squares over some periods around each centre: none leaks into another.
-    fits = np.array([_fit(chosen[name].values, cycles, centre, orders, periods) for centre in centres])
+    fits = np.array([_fitted_amplitudes(chosen[name].values, cycles, centre, orders, periods) for centre in centres])
     return Harmonics(
         times=chosen.time[centres],
         frequencies=instantaneous[centres],
@@ -126,7 +126,7 @@ def _centres(cycles: FloatArray, periods: float, points: int) -> list[int]:
     return [int(place) for place in np.unique(np.linspace(first, last - 1, points).round())]
 
 
-def _fit(
+def _fitted_amplitudes(
     values: FloatArray, cycles: FloatArray, centre: int, orders: Sequence[float], periods: float
 ) -> np.ndarray[tuple[int], np.dtype[np.complex128]]:
     """Complex amplitude c of every order, as in ``Im(c exp(j order phase))``, in the signal's unit, (n_orders,)."""

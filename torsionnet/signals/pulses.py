@@ -297,7 +297,7 @@ def _repaired(stamps: FloatArray, steps_per_revolution: float) -> Pulses:
     numbers[0] = 0
     # Steps between neighbours, one where nothing is lost; their sum numbers the pulses.
     numbers[missing.after + 1] += missing.counts
-    _check(clean, numbers[1:], kept)
+    _require_regular(clean, numbers[1:], kept)
     np.cumsum(numbers, out=numbers)
     left_out = np.ones(len(stamps), dtype=bool)
     left_out[kept] = False
@@ -315,7 +315,7 @@ def check_pulses(times: ArrayLike) -> FloatArray:
 
 
 @np.errstate(over="ignore", invalid="ignore")  # intervals near 0
-def _check(times: FloatArray, steps: NDArray[np.intp], places: NDArray[np.intp]) -> None:
+def _require_regular(times: FloatArray, steps: NDArray[np.intp], places: NDArray[np.intp]) -> None:
     """Raise an error for intervals that neither lost nor double pulses nor a change of speed explain."""
     each = np.diff(times)
     # Interval of one step: a lost pulse or a gap counts with the steps that it has.

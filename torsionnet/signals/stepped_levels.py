@@ -235,7 +235,7 @@ def stepped_stiffness(
     return SteppedStiffness(frequencies, twists, torques, mean_twists, mean_torques, distortion, title, tuple(found))
 
 
-def _steps(angle: FloatArray, sampling_rate: float) -> list[tuple[int, int, float]]:
+def _groups_of_cycles(angle: FloatArray, sampling_rate: float) -> list[tuple[int, int, float]]:
     """First and last sample, and frequency in Hz, of each group of cycles that are alike."""
     rises = _rises(angle)
     cycles = [(a, b, float(np.ptp(angle[a:b]))) for a, b in pairwise(rises) if b > a + 4]

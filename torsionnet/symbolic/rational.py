@@ -264,7 +264,7 @@ def evaluate(function: SymbolicFraction, frequencies: ArrayLike, given: Mapping[
     result = np.empty(f.shape, dtype=complex)
     moving = f > 0
     if moving.any():
-        result[moving] = _at(function, f[moving], values)
+        result[moving] = _values_at_frequencies(function, f[moving], values)
     # 0 Hz is a limit, in which numerator and denominator may both vanish.
     if not moving.all():
         result[~moving] = static_value(function, values)
@@ -301,7 +301,9 @@ def _tables_in_numbers(function: SymbolicFraction, values: Mapping[Any, Any]) ->
     }
 
 
-def _at(function: SymbolicFraction, frequencies: FloatArray, values: Mapping[Any, Any]) -> ComplexArray:
+def _values_at_frequencies(
+    function: SymbolicFraction, frequencies: FloatArray, values: Mapping[Any, Any]
+) -> ComplexArray:
     """Complex values of a transfer function at frequencies > 0 in Hz, SI, (n_f,), with more digits where needed."""
     omega = 2 * np.pi * frequencies
     known = {name: Scaled.rational(value) for name, value in values.items()}

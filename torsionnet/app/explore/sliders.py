@@ -291,10 +291,10 @@ def point_rows(rig: Drivetrain) -> list[PointSlider]:
         one.has_motion_laws and not keeps_own_point(one, definition) for one in definition.switched_on
     ):
         return []
-    return list(_rows(definition))
+    return list(_point_sliders(definition))
 
 
-def _rows(definition: Definition) -> Iterator[PointSlider]:
+def _point_sliders(definition: Definition) -> Iterator[PointSlider]:
     """Rows for the torques, else the load, and the speeds of a model."""
     point, load = definition.operating_point, definition.load
     for name in LOAD_SIZES if load is not None else ():
@@ -314,7 +314,7 @@ def all_point_rows(rig: Drivetrain) -> list[PointSlider]:
     if not any(one.has_motion_laws for one in rig.definition.elements.values()):
         return []
     points = [overlay.operating_point for axis in rig.definition.configurations.values() for overlay in axis.values()]
-    found = {row.name: row for row in _rows(rig.definition)}
+    found = {row.name: row for row in _point_sliders(rig.definition)}
     for point in points if rig.definition.load is None else ():
         for place in point.torque if point else ():
             name = setting_name(TORQUE, place)

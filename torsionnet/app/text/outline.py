@@ -77,17 +77,17 @@ class _Outline:
             nodes = tuple(OutlineItem(named.name, "node", "", named.span, named.span) for named in places)
             return self.item(node, name, kind, _element_words(node.value, [named.name for named in nodes]), nodes)
         if kind == "part":
-            return self.item(node, name, kind, _shown(node.value), tuple(self.sections(node, path)))
+            return self.item(node, name, kind, _value_text(node.value), tuple(self.sections(node, path)))
         if kind == "axis":
             return self.axis(whole, node, name)
-        return self.item(node, name, kind, _shown(node.value), ())
+        return self.item(node, name, kind, _value_text(node.value), ())
 
     def axis(self, whole: LocatedNode, node: LocatedNode, name: str) -> OutlineItem | None:
         """Axis with its alternatives, or an alternative of the only axis."""
         from torsionnet.model.configurations import has_axes
 
         if not has_axes(whole.value):
-            return self.item(node, name, "configuration", _shown(node.value), ())
+            return self.item(node, name, "configuration", _value_text(node.value), ())
         below = [
             self.item(alternative, str(label), "configuration", _shown(alternative.value), ())
             for label, alternative in node.entries.items()
@@ -114,7 +114,7 @@ def _element_words(raw: Any, nodes: list[str]) -> str:
     return f"{kind} {where}".strip()
 
 
-def _shown(raw: Any) -> str:
+def _value_text(raw: Any) -> str:
     """Text on the value of an entry: the value itself, that of a parameter, or what a sensor measures."""
     if not isinstance(raw, Mapping):
         return "" if raw is None or isinstance(raw, list) else _short(str(raw))

@@ -85,7 +85,7 @@ def run_campaign(
     )  # fmt: skip
 
 
-def _result(campaign: Campaign, name: str, folder: Path) -> CampaignRecordResult:
+def _record_result(campaign: Campaign, name: str, folder: Path) -> CampaignRecordResult:
     """Orders and responses of a record, as far as it shows them, beside those of the model."""
     files = _tracked(campaign, name, folder) if name in campaign.of_orders else {}
     response = campaign_response(campaign, name, folder) if name in campaign.of_responses else None

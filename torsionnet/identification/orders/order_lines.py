@@ -142,7 +142,7 @@ def order_lines(measurement: Measurement, excited: Sequence[float]) -> OrderLine
     wanted = measurement.orders_used or tuple(one for one in measured_orders(data) if _among(one, excited))
     rows = [row for row in _rows(data) if _among(row[0], wanted)]
     orders, speeds, values, widths = (np.concatenate(part) for part in zip(*map(_columns, rows), strict=True))
-    kept = _kept(measurement, orders, speeds) & np.isfinite(values) & (values != 0)
+    kept = _lines_in_bands(measurement, orders, speeds) & np.isfinite(values) & (values != 0)
     if not kept.any():
         raise UsageError(f"{measurement.label} has nothing to compare: {_speeds_there(speeds)}", kind="missing-data")
     times = np.concatenate([row[4] for row in rows])
@@ -226,7 +226,7 @@ def _correlation(orders: FloatArray, times: FloatArray, related: FloatArray) -> 
     return found if found.nnz > len(orders) else None
 
 
-def _kept(measurement: Measurement, orders: FloatArray, speeds: FloatArray) -> NDArray[np.bool_]:
+def _lines_in_bands(measurement: Measurement, orders: FloatArray, speeds: FloatArray) -> NDArray[np.bool_]:
     """Lines (n_lines,) in the bands of speed and frequency of a measurement."""
     hertz = orders * speeds / (2 * np.pi)
     kept = hertz > 0

@@ -59,7 +59,7 @@ def sensor_noise_powers(
     """
     # Level of each line: P_out + gain P_in + rest, of which the rest is known.
     both = np.column_stack([np.ones_like(gain), gain])
-    shares, spread = _shares(level, both, rest, repeated)
+    shares, spread = _noise_powers(level, both, rest, repeated)
     if seen is None or abs(seen[0] - shares[1]) > COMPATIBLE_STANDARD_ERRORS * np.hypot(seen[1], spread[1]):
         # Where lines and windows contradict each other, the lines alone give the ratio, scaled to fit on average.
         made_up = rest + both @ shares
@@ -68,7 +68,7 @@ def sensor_noise_powers(
     found = weighted_mean([seen, (float(shares[1]), float(spread[1]))])
     assert found is not None
     # With the input's power known the output's is fitted alone.
-    on_output, _ = _shares(level, both[:, :1], rest + found[0] * gain, repeated)
+    on_output, _ = _noise_powers(level, both[:, :1], rest + found[0] * gain, repeated)
     return _above_zero(float(on_output[0]), found[0])
 
 
@@ -86,7 +86,9 @@ def weighted_mean(found: Iterable[tuple[float, float] | None]) -> tuple[float, f
     return sum(value * error**-2 for value, error in known) / total, float(total**-0.5)
 
 
-def _shares(level: FloatArray, columns: FloatArray, rest: FloatArray, repeated: float) -> tuple[FloatArray, FloatArray]:
+def _noise_powers(
+    level: FloatArray, columns: FloatArray, rest: FloatArray, repeated: float
+) -> tuple[FloatArray, FloatArray]:
     """Powers of noise sources whose sum with a known rest fits a measured noise level, and their standard errors."""
     found, shares = np.maximum(level, LEAST_POWER), np.zeros(columns.shape[1])
     for _ in range(REWEIGHTING_ROUNDS):

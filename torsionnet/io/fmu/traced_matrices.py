@@ -327,9 +327,9 @@ def _patterns(system: System) -> tuple[Pattern, Pattern]:
     place[n_h : n_h + n_b, 2 * n_h : n_x] = np.eye(n_b, dtype=bool)
     heavy, damped, static = slice(0, n_h), slice(n_h, n_h + n_b), slice(n_h + n_b, n)
     # Statics first, K d from loads and the other angles; with d the rates of b by C, and last those of h' by M.
-    place[static] = _solved(K[static, static], (loads | K @ place)[static])
-    rate[damped] = _solved(C[damped, damped], (loads | K @ place | C @ rate)[damped])
-    faster = _solved(M[heavy, heavy], (loads | K @ place | C @ rate)[heavy])
+    place[static] = _inverse_pattern(K[static, static], (loads | K @ place)[static])
+    rate[damped] = _inverse_pattern(C[damped, damped], (loads | K @ place | C @ rate)[damped])
+    faster = _inverse_pattern(M[heavy, heavy], (loads | K @ place | C @ rate)[heavy])
     states = np.vstack([rate[:n_h], faster, rate[damped]])
     outputs = np.hstack(
         [np.zeros((len(system.outputs), n_x), dtype=bool), _pattern(system, "F", len(system.outputs), n_u)]
@@ -349,7 +349,7 @@ def _pattern(system: System, letter: str, rows: int, columns: int) -> Pattern:
     return pattern
 
 
-def _solved(matrix: Pattern, right: Pattern) -> Pattern:
+def _inverse_pattern(matrix: Pattern, right: Pattern) -> Pattern:
     """Pattern of the inverse of a symmetric matrix times ``right``, the inverse being full within connected parts."""
     from scipy.sparse.csgraph import connected_components
 

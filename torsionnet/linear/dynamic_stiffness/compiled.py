@@ -99,7 +99,7 @@ only numpy's scaled division is safe. The compiled loop leaves NaN there."""
 def sweep(tape: Tape, laws: LawStiffness) -> ComplexArray:
     """Output values (n_values, n_points) of a tape by the compiled loop."""
     values = np.zeros((tape.n_values, laws.n_points), dtype=complex)
-    _sweep(tape.operations, *_numbers(laws), *_own(tape, laws), values)
+    _sweep(tape.operations, *_law_arrays(laws), *_own(tape, laws), values)
     return values
 
 
@@ -120,8 +120,8 @@ def read(tape: Tape, slots: LawStiffness, table: ReadingTable, laws: LawStiffnes
     """
     values = np.empty((slots.n_points, table.n_out, table.n_excitations), dtype=complex)
     conditioning = np.ones(slots.n_points)
-    own = _numbers(laws)
-    _read(tape.operations, *_numbers(slots), *own[:-1], *_own(tape, slots), tape.n_values,
+    own = _law_arrays(laws)
+    _read(tape.operations, *_law_arrays(slots), *own[:-1], *_own(tape, slots), tape.n_values,
           table.n_excitations, table.is_measured, table.whole, table.factors, table.applied,
           values, conditioning)  # fmt: skip
     return values, conditioning
@@ -133,7 +133,7 @@ def _own(tape: Tape, laws: LawStiffness) -> tuple[FloatArray, FloatArray]:
     return tape.factors.astype(kind), np.empty((tape.n_registers, 2, POINTS_AT_ONCE), dtype=kind)
 
 
-def _numbers(laws: LawStiffness) -> tuple[Any, ...]:
+def _law_arrays(laws: LawStiffness) -> tuple[Any, ...]:
     """Arrays for the compiled loop, which are J, c, k of laws in SI, sampled stiffnesses and omega in rad/s.
 
     J, c and k are (n_variants, n_laws); then come places of sampled laws (-1: none) and the samples.

@@ -71,11 +71,13 @@ def _solve(stiffness: ComplexArray, loads: ComplexArray) -> ComplexArray:
     try:
         return np.asarray(np.linalg.solve(scaled, right) / scale[:, :, None])
     except np.linalg.LinAlgError:
-        solved = np.stack([_one(matrix, load) for matrix, load in zip(scaled, right, strict=True)])
+        solved = np.stack(
+            [_solution_at_one_frequency(matrix, load) for matrix, load in zip(scaled, right, strict=True)]
+        )
         return np.asarray(solved / scale[:, :, None])
 
 
-def _one(matrix: ComplexArray, load: ComplexArray) -> ComplexArray:
+def _solution_at_one_frequency(matrix: ComplexArray, load: ComplexArray) -> ComplexArray:
     """Solution x (n, n_exc) of D x = load at one frequency, with rounding-sized damping where D is exactly singular.
 
     This is at an exact undamped resonance.

@@ -68,13 +68,13 @@ def close_loops(reading_problem: ReadingProblem, laws: LawStiffness, values: Com
         sensed = gains[:, None, :] * values[list(reading_problem.sensed)]
         by_torque, by_excitation = np.moveaxis(sensed[:, n_exc:], 2, 0), np.moveaxis(sensed[:, :n_exc], 2, 0)
         # T = (I - kappa Y_T)^-1 kappa Y_u u
-        torques = np.moveaxis(_solved(np.eye(n_act) - by_torque, by_excitation), 0, 2)
+        torques = np.moveaxis(_action_torques(np.eye(n_act) - by_torque, by_excitation), 0, 2)
         # z = Z_u u + Z_T T
         total = values[:, :n_exc] + np.einsum("rap,aep->rep", values[:, n_exc:], torques)
     return ClosedLoops(total, torques)
 
 
-def _solved(loop: ComplexArray, right: ComplexArray) -> ComplexArray:
+def _action_torques(loop: ComplexArray, right: ComplexArray) -> ComplexArray:
     """Torques of the actions (n_points, n_act, n_exc) in N m, nan where the loops have no solution."""
     if loop.shape[1] == 1:
         return np.asarray(right / loop)

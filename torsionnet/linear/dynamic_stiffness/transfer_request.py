@@ -273,7 +273,7 @@ def _chosen(drivetrain: AssembledModel, excitation: str | Input | Sequence[str |
 
 def _named_input(drivetrain: AssembledModel, name: Any) -> Input:
     if isinstance(name, Input):
-        return _given(drivetrain, name)
+        return _checked_excitation(drivetrain, name)
     if name in drivetrain.inputs:
         return _checked_input(drivetrain, name)
     torque = _torque_on_nodes(drivetrain, name)
@@ -286,7 +286,7 @@ def _named_input(drivetrain: AssembledModel, name: Any) -> Input:
     )
 
 
-def _given(drivetrain: AssembledModel, channel: Input) -> Input:
+def _checked_excitation(drivetrain: AssembledModel, channel: Input) -> Input:
     """Excitation given as an object, returned if it can act in this drivetrain, else UsageError.
 
     It is a torque or twist anywhere, or an imposed angle where the model declares one.
@@ -369,7 +369,7 @@ def usable_channels(drivetrain: AssembledModel) -> tuple[list[str], list[str]]:
 
 def _input(drivetrain: AssembledModel, entry: str | Sensor | Input) -> Input | Functional:
     if isinstance(entry, Input):
-        return _given(drivetrain, entry)
+        return _checked_excitation(drivetrain, entry)
     if isinstance(entry, str) and entry in drivetrain.inputs:
         return _checked_input(drivetrain, entry)
     if named_sensor(entry, drivetrain.sensors) is not None:

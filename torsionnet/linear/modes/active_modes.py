@@ -344,7 +344,7 @@ def _delayed(pencil: ActivePencil, delay: float) -> tuple[list[Pole], tuple[str,
         warned = ()
     if pencil.size <= LARGEST_SOLVED_EXACTLY:
         warned = (*warned, *_count_warning(pencil.counts()[1], pencil.zeros, " at zero"))
-    beyond = [] if free is None else _beyond(pencil, free, radius)
+    beyond = [] if free is None else _poles_beyond(pencil, free, radius)
     known = "may lack some here" if warned else "are all here"
     text = f"a delay makes infinitely many poles; those below {below} {known}"
     notes = (f"{text}, and of faster ones those next to modes without control" if beyond else text,)
@@ -383,7 +383,7 @@ def _between(radius: float, sizes: Sequence[float]) -> float:
     return max(gaps)[1]
 
 
-def _beyond(pencil: ActivePencil, free: EigenSolution, radius: float) -> list[Pole]:
+def _poles_beyond(pencil: ActivePencil, free: EigenSolution, radius: float) -> list[Pole]:
     """Poles outside the circle of this radius (rad/s), which inverse iteration finds from modes without control."""
     n_act = pencil.size - pencil.n_coordinates
     starts = [
@@ -422,7 +422,7 @@ def _real_shapes(shapes: ComplexArray) -> ComplexArray:
     return np.asarray((shapes / np.where(largest == 0, 1, largest)).real.astype(complex))
 
 
-def _scaled(shapes: Any) -> Any:
+def _scaled_shapes(shapes: Any) -> Any:
     """Shapes (n_q, n_modes) scaled to 1 at their largest angle, while shapes of zeros stay.
 
     The pole of a controller that oscillates alone has such a shape.

@@ -197,7 +197,7 @@ def archer_at_small_torque(external: ExternalTorques) -> Iterator[Fault]:
     ]
     if not rated or not ahead or not screws:
         return
-    values = _values(external, rated)
+    values = _values_at_speed(external, rated)
     for screw in screws:
         torque = not_none(screw.torque)
         full = next(
@@ -220,7 +220,7 @@ def archer_at_small_torque(external: ExternalTorques) -> Iterator[Fault]:
             )
 
 
-def _values(external: ExternalTorques, speed: float) -> Mapping[str, Any]:
+def _values_at_speed(external: ExternalTorques, speed: float) -> Mapping[str, Any]:
     """Value in SI units of every parameter, by name, at a speed of the reference shaft in rad/s.
 
     Empty where the load determines no torque there.

@@ -251,7 +251,7 @@ def _absorbed(external: ExternalTorques, machines: list[_Machine], work: Mapping
             yield _Unlike(machine, machine.powers[0] / taken, fault)
 
 
-def _given(external: ExternalTorques, machines: list[_Machine], work: Mapping[str, float]) -> Iterator[_Unlike]:
+def _weak_engines(external: ExternalTorques, machines: list[_Machine], work: Mapping[str, float]) -> Iterator[_Unlike]:
     """Engines that give less power than is taken from them, with notes on those that could give more."""
     propellers = [machine for machine in machines if machine.excitation.kind == PROPELLER]
     total = _taken(work) if work else sum(machine.powers[0] for machine in propellers)

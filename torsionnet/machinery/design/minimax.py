@@ -132,7 +132,7 @@ def search_from(levels: Levels, box: Box, place: FloatArray) -> FloatArray:
             best, least = place, level
         # Exchange of constraints: maxima of this curve are held down in the next step, too.
         points = np.union1d(points, maxima)
-        place, bound = _solved(levels, box, points, place)
+        place, bound = _lowest_highest_level(levels, box, points, place)
         top = float(np.log(largest(levels, box.inside(place)) + SMALLEST_LEVEL))
         if top < least:
             best, least = place, top
@@ -142,7 +142,7 @@ def search_from(levels: Levels, box: Box, place: FloatArray) -> FloatArray:
     return best
 
 
-def _solved(levels: Levels, box: Box, points: FloatArray, start: FloatArray) -> tuple[FloatArray, float]:
+def _lowest_highest_level(levels: Levels, box: Box, points: FloatArray, start: FloatArray) -> tuple[FloatArray, float]:
     """Place (n_p,) in the unit cube where the largest level at ``points`` is smallest, and that level's logarithm."""
 
     def logs(x: FloatArray) -> FloatArray:

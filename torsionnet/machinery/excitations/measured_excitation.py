@@ -101,7 +101,7 @@ def measured_lines(headings: Sequence[str], rows: FloatArray) -> MeasuredLines:
     columns = _columns(headings)
     key = _key(columns)
     numbers = {name: rows[:, place] for name, (place, _) in columns.items()}
-    quantity, values = _values(columns, numbers)
+    quantity, values = _measured_peaks(columns, numbers)
     has_phase = "phase" in columns or "real" in columns
     widths = _half_widths(columns, numbers, quantity)
     keys = numbers[key] * (_factor(columns[key][1], "frequency", key) if key == "frequency" else 1)
@@ -177,7 +177,7 @@ def _key(columns: dict[str, tuple[int, str]]) -> str:
     return given[0]
 
 
-def _values(columns: dict[str, tuple[int, str]], numbers: dict[str, FloatArray]) -> tuple[str, ComplexArray]:
+def _measured_peaks(columns: dict[str, tuple[int, str]], numbers: dict[str, FloatArray]) -> tuple[str, ComplexArray]:
     """Name of the recorded quantity, and its complex peak values in SI units, shape (n_rows,)."""
     if "real" in columns and "imag" in columns:
         quantity, factor = _quantity("real", columns["real"][1])

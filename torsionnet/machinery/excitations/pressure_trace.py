@@ -212,7 +212,7 @@ def read_pressure_file(path: Path) -> PressureTrace:
     ModelError
         The file cannot be read; the message names the line.
     """
-    rows = _rows(path)
+    rows = _trace_rows(path)
     _refuse(_wrong_rows(rows), path)
     revolutions, both_ends = _covered(rows)
     _refuse(_not_closing(rows, both_ends, revolutions), path)
@@ -239,7 +239,7 @@ def _fault(kind: str, text: str, file: str, number: int, lines: Sequence[str], h
     return Fault(text, position=line_position(file, number, lines, heading), kind=kind)
 
 
-def _rows(path: Path) -> _Rows:
+def _trace_rows(path: Path) -> _Rows:
     """Angles in degrees and pressures in Pa that a trace file has."""
     with path.open(encoding=detect_encoding(path), newline=None, errors="replace") as file:
         lines = file.readlines()
@@ -402,8 +402,8 @@ class TraceEntry(Composite[PressureTrace]):
             start, raw = _ANGLE.coerce(raw["start"]), raw["pressures"]
         if not isinstance(raw, Sequence | np.ndarray):
             raise EntryError(f"expected a list of pressures or the name of a file, {got(raw)}", kind="wrong-form")
-        values, faults = _numbers(raw)
-        faults = faults or [Fault(text, on_key=True, kind="unfit-curve") for text in _wrong(values)]
+        values, faults = _pressures(raw)
+        faults = faults or [Fault(text, on_key=True, kind="unfit-curve") for text in _wrong_list(values)]
         return PressureTrace(tuple(values[:-1] if len(values) % 2 else values), start), faults
 
     def plain(self, value: Any) -> Json:
@@ -421,7 +421,7 @@ class TraceEntry(Composite[PressureTrace]):
         return {"description": self.description, "anyOf": [several, {"type": "string"}, begun]}
 
 
-def _numbers(raw: Sequence[Any] | np.ndarray[Any, Any]) -> tuple[list[float], list[Fault]]:
+def _pressures(raw: Sequence[Any] | np.ndarray[Any, Any]) -> tuple[list[float], list[Fault]]:
     """Pressures of a list in Pa, and the faults of entries that are no pressures."""
     values: list[float] = []
     faults: list[Fault] = []
@@ -433,7 +433,7 @@ def _numbers(raw: Sequence[Any] | np.ndarray[Any, Any]) -> tuple[list[float], li
     return values, faults
 
 
-def _wrong(values: Sequence[float]) -> Iterator[str]:
+def _wrong_list(values: Sequence[float]) -> Iterator[str]:
     """Messages on a list of too few pressures, or one that does not close.
 
     An odd list has both ends of the cycle: 721 values at 0 to 720 degrees are 720 steps.

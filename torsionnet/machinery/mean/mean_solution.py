@@ -260,7 +260,7 @@ def lost_power_notes(drivetrain: AssembledModel, speed: float) -> tuple[str, ...
     return (f"{LOST_POWER}: {100 * kept:.3g} % of the mean torque with all working",)
 
 
-def _solved(
+def _static_readings(
     held: AssembledModel, reference: str, at: FloatArray, wanted: Sequence[Functional], nodes: Sequence[str]
 ) -> Iterator[tuple[FloatArray, SpeedIndices]]:
     """Yield readings in SI units per N m on a node (n, n_readings, n_nodes), and indices of their speeds."""

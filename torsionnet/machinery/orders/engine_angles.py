@@ -186,7 +186,7 @@ def _first_of_largest(values: FloatArray) -> IntArray:
     return np.asarray(np.argmax(values >= top - EQUAL_SHARE * (top - bottom), axis=-1))
 
 
-def _followed(motions: Sequence[_Motion], lag: IntArray, step: float) -> _Found:
+def _refined_ranges(motions: Sequence[_Motion], lag: IntArray, step: float) -> _Found:
     """Largest range (max - min) of the sum of orders (SI) after Newton's method, with start angles (rad) and signs."""
     rising = [motion.at(lag) for motion in motions]
     amplitudes = [motion.with_signs(signs) for motion, (_, signs) in zip(motions, rising, strict=True)]

@@ -299,7 +299,7 @@ class OrderLoads:
         """Order response, by superposition of unit-input responses ``gains`` (n_speeds, n_lines, n_out, n_inputs)."""
         # X = H(f) F, summed over the inputs of every line at its own frequency.
         values = np.einsum("slon,sln->slo", gains, self.loads)
-        return _worst(
+        return _worst_response(
             OrderResponse(self.speeds, self.reference, self.lines, values, channels),
             self.by_excitation,
             gains,
@@ -342,7 +342,7 @@ def _of_batch(batch: Batch, outputs: Channels, loads: OrderLoads) -> OrderRespon
     return loads.response(*_at_own(solved, request, loads.hertz))
 
 
-def _worst(
+def _worst_response(
     nominal: OrderResponse, acting: Sequence[ExcitationLines], gains: ComplexArray, inputs: Sequence[Input]
 ) -> OrderResponse:
     """Order response with the worst misfire and the worst spread between cylinders that excitations allow."""

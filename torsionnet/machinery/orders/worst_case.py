@@ -243,7 +243,7 @@ def worst_case(
     """Order response with the case, signs and engine angles of the largest half range, by output and speed."""
     if not alternatives and not scatter and not has_unknown_angles(nominal.lines):
         return nominal
-    cases = _cases(nominal, alternatives)
+    cases = _responses_of_combinations(nominal, alternatives)
     largest = np.zeros(nominal.values.shape)
     at_worst = {}
     for label, (case, replaced) in cases.items():
@@ -294,7 +294,7 @@ def _named(deviation: Contributions, among: Sequence[Contributions]) -> list[str
     return [label if len(among) == 1 else joined(": ", (deviation.excitation, label)) for label in deviation.labels]
 
 
-def _cases(
+def _responses_of_combinations(
     nominal: OrderResponse, alternatives: Sequence[Contributions]
 ) -> dict[str, tuple[OrderResponse, set[tuple[str, str]]]]:
     """Order response of every combination of one alternative per excitation, by label, and the parts it changes.

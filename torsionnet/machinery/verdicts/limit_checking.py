@@ -122,7 +122,7 @@ def _check(
 ) -> LimitCheck:
     """Check of limits over speed, with that of starts along the model's run-up where these are asked for."""
     chosen = {name: limit.fitted(drivetrain.definition.elements)
-              for name, limit in _chosen(drivetrain.definition.limits, limits).items()}  # fmt: skip
+              for name, limit in _chosen_limits(drivetrain.definition.limits, limits).items()}  # fmt: skip
     subject = limit_subject(drivetrain.definition, drivetrain.exact_values)
     asked = excitations if excitations is None or isinstance(excitations, str) else tuple(excitations)
     examined = ExaminedSpeeds.of(drivetrain, speeds, excitations=asked, refine=refine, nonlinear=nonlinear)
@@ -384,7 +384,7 @@ def _tops(speeds: FloatArray, line: LimitLine) -> list[FloatArray]:
     ]
 
 
-def _chosen(known: Mapping[str, Limit], names: str | Iterable[str] | None) -> dict[str, Limit]:
+def _chosen_limits(known: Mapping[str, Limit], names: str | Iterable[str] | None) -> dict[str, Limit]:
     if not known:
         rules = ", ".join(limit_rules())
         raise UsageError(

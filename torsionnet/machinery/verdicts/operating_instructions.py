@@ -209,8 +209,8 @@ def restricted_ranges(check: LimitCheck) -> tuple[PassedRange, ...]:
     They are the union of the ranges of all limits: what one of them refuses is refused.
     """
     ranges = [
-        PassedRange(span, tuple(place for place in _places(check) if span.holds(place.span.low)))
-        for span in joined_spans([place.span for place in _places(check)])
+        PassedRange(span, tuple(place for place in _forbidden_ranges(check) if span.holds(place.span.low)))
+        for span in joined_spans([place.span for place in _forbidden_ranges(check)])
     ]
     return tuple(restricted for restricted in ranges if check.highest is None or restricted.span.low <= check.highest)
 
@@ -278,7 +278,7 @@ def _where(checks: Sequence[LimitCheck], named: Callable[[Sequence[str]], str]) 
     return phrase(" in {names}", names=named([check.configuration for check in checks]))
 
 
-def _places(check: LimitCheck) -> Iterator[_Place]:
+def _forbidden_ranges(check: LimitCheck) -> Iterator[_Place]:
     """Yield the ranges that limits bar, those that they refuse, and the ones above the highest speed they permit."""
     for verdict in check.verdicts:
         for span in verdict.barred:

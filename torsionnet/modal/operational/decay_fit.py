@@ -92,7 +92,7 @@ def fit_exponentials(times: FloatArray, values: FloatArray, modes: int | None) -
     """
     t = times - times[0]
     pencils = pencil_poles(values, float(t[-1] / (len(t) - 1)), min(MOST_POLES, len(t) // 4))
-    poles, real = _start(t, values, pencils, modes)
+    poles, real = _start_poles(t, values, pencils, modes)
     if not len(poles):
         raise SolveError(
             "nothing in the signal vibrates and decays: give start and end of the decay", kind="no-resonance"
@@ -100,7 +100,7 @@ def fit_exponentials(times: FloatArray, values: FloatArray, modes: int | None) -
     return _refined(t, values, poles, real, tuple(pencils))
 
 
-def _start(
+def _start_poles(
     t: FloatArray, values: FloatArray, pencils: list[ComplexArray], modes: int | None
 ) -> tuple[ComplexArray, FloatArray]:
     """Poles of vibrations and real poles (rad/s) with which information is gained at the lowest cost (Schwarz)."""

@@ -60,7 +60,7 @@ def decay_section(
                 kind="out-of-range",
             )
     notes = []
-    first, last = _limits(values)
+    first, last = _decay_ends(values)
     if start is not None:
         first = int(np.searchsorted(times, start))
         last = max(last, first)
@@ -79,7 +79,7 @@ def decay_section(
     return _thinned(kept, part, highest, tuple(notes))
 
 
-def _limits(values: FloatArray) -> tuple[int, int]:
+def _decay_ends(values: FloatArray) -> tuple[int, int]:
     """Index of the largest deflection of the liveliest part, and of the end of the decay behind it."""
     size = max(len(values) // BLOCKS, 4)
     count = len(values) // size

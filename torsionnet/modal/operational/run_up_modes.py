@@ -283,7 +283,7 @@ def modes_from_run_up(
     (20.0, 0.02)
     """
     signal, orders = recording[channel], tuple(np.atleast_1d(np.asarray(order, dtype=float)).tolist())
-    _check(orders, mode_count, background)
+    _require_run_up(orders, mode_count, background)
     if recording.times is not None:
         raise UsageError("a run-up is read from even samples: resample the record first", kind="uneven-samples")
     if not np.isfinite(signal.values).all():
@@ -344,7 +344,7 @@ def modes_from_tracked_orders(
     SolveError
         The resonance is not passed, or values are too few.
     """
-    _check((order,), mode_count, background)
+    _require_run_up((order,), mode_count, background)
     kernel = _kernel(tracked, revolutions, bandwidth)
     windows = tracked_windows(tracked, order, kernel, amplitudes_only)
     low, high = band or _band(windows)
@@ -376,7 +376,7 @@ def _mean(recording: Recording, rotation: str | MeanRotation | WheelRotation) ->
     return mean_rotation(rotation) if isinstance(rotation, WheelRotation) else rotation
 
 
-def _check(orders: tuple[float, ...], modes: int, background: int) -> None:
+def _require_run_up(orders: tuple[float, ...], modes: int, background: int) -> None:
     wrong = []
     if not orders or not all(np.isfinite(order) and order > 0 for order in orders):
         wrong.append("orders are positive numbers of vibrations per revolution")

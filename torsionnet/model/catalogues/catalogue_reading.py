@@ -65,7 +65,7 @@ def catalogue_row(path: Path, file: str, size: str) -> CatalogueRow:
         No such size, two rows of it, or a file that is no catalogue, each with its place.
     """
     stat = path.stat()
-    rows = _rows(path, stat.st_mtime_ns, stat.st_size)
+    rows = _catalogue_rows(path, stat.st_mtime_ns, stat.st_size)
     names = [row.size for row in rows]
     matching = [row for row in rows if row.size == size]
     if not matching:
@@ -87,7 +87,7 @@ def _unknown(size: str, names: Iterable[str], file: str) -> Fault:
 
 
 @lru_cache(maxsize=16)
-def _rows(path: Path, changed: int, length: int) -> tuple[CatalogueRow, ...]:
+def _catalogue_rows(path: Path, changed: int, length: int) -> tuple[CatalogueRow, ...]:
     """All rows of a catalogue's file, read once as long as the file does not change."""
     del changed, length
     grid = read_grid(path)
@@ -105,7 +105,7 @@ def _rows(path: Path, changed: int, length: int) -> tuple[CatalogueRow, ...]:
                 kind="missing-column",
             )
         )
-    units = [_unit(grid, cell, unit, faults) for cell, (_, unit) in zip(head, names, strict=True)]
+    units = [_heading_unit(grid, cell, unit, faults) for cell, (_, unit) in zip(head, names, strict=True)]
     numbers = [cell for row in rest for cell in row if is_like_number(cell.text)]
     decimal, wrong = decimal_sign(numbers)
     faults += [grid.fault(wrong[1], wrong[0], kind="ambiguous-number")] if wrong else []
@@ -126,7 +126,7 @@ def _rows(path: Path, changed: int, length: int) -> tuple[CatalogueRow, ...]:
     return tuple(rows)
 
 
-def _unit(grid: CellGrid, cell: Cell, text: str, faults: list[Fault]) -> str | None:
+def _heading_unit(grid: CellGrid, cell: Cell, text: str, faults: list[Fault]) -> str | None:
     """Unit of a catalogue's heading as a model file writes it, None where the heading has none."""
     if not text or text in ("1", "-"):
         return None if not text else ""

@@ -74,7 +74,7 @@ _VALUELESS = re.compile(r"([A-Za-z_]\w*):[,}\]]$")
 def explain(error: yaml.MarkedYAMLError, lines: Sequence[str]) -> tuple[Fault, tuple[int, int]]:
     """Fault of YAML syntax, and its line and column, from 0."""
     problem = error.problem or "this is no YAML"
-    mark = _mark(error.problem_mark or error.context_mark, lines)
+    mark = _line_and_column(error.problem_mark or error.context_mark, lines)
     character = lines[mark[0]][mark[1] : mark[1] + 1] if mark[0] < len(lines) else ""
     if "cannot start any token" in problem:
         return _no_start(character), mark
@@ -87,7 +87,7 @@ def explain(error: yaml.MarkedYAMLError, lines: Sequence[str]) -> tuple[Fault, t
     if "unexpected ':'" in problem and (bare := _VALUELESS.search(lines[mark[0]][: mark[1] + 2])):
         return Fault(f'"{bare[1]}" has no value; write it behind "{bare[1]}: "', kind="missing-value"), mark
     if error.context_mark is not None:
-        opened = _mark(error.context_mark, lines)
+        opened = _line_and_column(error.context_mark, lines)
         since = f"; it began at line {opened[0] + 1}, column {opened[1] + 1}"
         if "end of stream" in problem or "document separator" in problem:
             mark = opened
@@ -115,7 +115,7 @@ def _no_start(character: str) -> Fault:
     return Fault(f'a value cannot begin with "{character}"; put it in quotes', kind="missing-quotes")
 
 
-def _mark(mark: yaml.Mark | None, lines: Sequence[str]) -> tuple[int, int]:
+def _line_and_column(mark: yaml.Mark | None, lines: Sequence[str]) -> tuple[int, int]:
     """Line and column, from 0, of a place that the YAML parser names.
 
     The end of the file is the end of the last line that is not empty.

@@ -83,16 +83,16 @@ def all_branches(
     middle = np.sqrt(low * high)
     for at in dict.fromkeys((high, low, middle)):
         for motion in from_rest(problem, at):
-            if not _known(branches, motion):
+            if not _lies_on_a_branch(branches, motion):
                 most = max(left(), OWN)
                 branches.append(_with_crossings(_both_ways(problem, motion, (low, high), traced, "from rest", most)))
     for motion in _other_starts(problem, (middle, low, high), traced):
-        if left() > 0 and not _known(branches, motion):
+        if left() > 0 and not _lies_on_a_branch(branches, motion):
             way = "from a start of another size, joined to no other"
             branches.append(_with_crossings(_both_ways(problem, motion, (low, high), traced, way, left())))
     for at in dict.fromkeys((high, low, middle)) if state is not None else ():
         for motion in from_simulation(problem, at, state or REST, subharmonics):
-            if not _known(branches, motion):
+            if not _lies_on_a_branch(branches, motion):
                 own = problem.with_subharmonics(motion.subharmonics)
                 count = traced * motion.subharmonics
                 way = "from a simulated motion"
@@ -111,7 +111,7 @@ def all_branches(
             branch = _forked(origin.problem, fork, (low, high), counts, most)
             if branch is None:
                 continue
-            if _known(branches, branch.tracer.motion(branch.points[len(branch.points) // 2])):
+            if _lies_on_a_branch(branches, branch.tracer.motion(branch.points[len(branch.points) // 2])):
                 tried += len(branch.points)
             else:
                 branches.append(replace(_with_crossings(branch), begins=fork))
@@ -125,7 +125,7 @@ def _with_crossings(branch: MotionBranch) -> FoundBranch:
     return FoundBranch(branch, forks, tuple(second_frequencies(branch)))
 
 
-def _known(branches: list[FoundBranch], motion: PeriodicMotion) -> bool:
+def _lies_on_a_branch(branches: list[FoundBranch], motion: PeriodicMotion) -> bool:
     """Whether a motion lies on a branch."""
     return any(
         _alike(x, motion.x, NEAR)

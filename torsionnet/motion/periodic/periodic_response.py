@@ -238,7 +238,7 @@ def _motion_read(
     stability = stability_of(problem, motion, on_edge=on_edge)
     amplitudes = problem.readings(motion, readings)
     lowest, highest = _extremes(stability, amplitudes, readings)
-    angles, speeds = _start(problem, motion, stability)
+    angles, speeds = _node_states(problem, motion, stability)
     words = stability.words
     return FoundMotion(
         motion.parameter, branch, turn, motion.subharmonics, motion.harmonics, motion.left_out, lowest, highest,
@@ -255,7 +255,7 @@ def _extremes(stability: Stability, amplitudes: Any, readings: Sequence[Function
     return ends[:, 0], ends[:, 1]
 
 
-def _start(
+def _node_states(
     problem: PeriodicProblem, motion: PeriodicMotion, stability: Stability
 ) -> tuple[Mapping[str, float], Mapping[str, float]]:
     """Angles in rad and speeds in rad/s of all nodes at the beginning of the period."""

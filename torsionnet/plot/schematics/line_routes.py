@@ -124,7 +124,7 @@ def piece_starts(start: float, steps: Sequence[RouteStep], room: float, margin: 
     best: list[float] = [0.0]
     came: list[int] = [0]
     for end in range(1, len(steps) + 1):
-        choices = {first: best[first] + _cost(steps[first:end], start if first == 0 else 0.0, narrow)
+        choices = {first: best[first] + _cost_of_piece(steps[first:end], start if first == 0 else 0.0, narrow)
                    for first in _firsts(steps, end, narrow)}  # fmt: skip
         first = min(choices, key=lambda place: choices[place])
         best.append(choices[first])
@@ -150,7 +150,7 @@ def _firsts(steps: Sequence[RouteStep], end: int, room: float) -> list[int]:
     return firsts
 
 
-def _cost(piece: Sequence[RouteStep], start: float, room: float) -> float:
+def _cost_of_piece(piece: Sequence[RouteStep], start: float, room: float) -> float:
     """Cost in squared points of a piece of a cut shaft line, from empty room, squared, and branches that do not fit."""
     x, cost = max(start, piece[0].left), PIECE
     for step in piece:
@@ -243,7 +243,7 @@ def node_axis(drivetrain: Drivetrain, without: Collection[str] = ()) -> Axis:
     axis = Axis()
     for tree in grown:
         for route in _in_depth(line_routes(tree)):
-            _line(axis, route, drivetrain)
+            _add_line_nodes(axis, route, drivetrain)
     left = [node for node in drivetrain.nodes if node not in {*without, *(station.node for station in axis.stations)}]
     for place, node in enumerate(left):
         if place == 0:
@@ -270,7 +270,7 @@ def _hidden(connected: Connections, drivetrain: Drivetrain) -> set[str]:
     return {node for element in drawn for node in element.internal_nodes}
 
 
-def _line(axis: Axis, route: LineRoute, drivetrain: Drivetrain) -> None:
+def _add_line_nodes(axis: Axis, route: LineRoute, drivetrain: Drivetrain) -> None:
     """Add the nodes of one shaft line of the schematic to the axis of a mode shape plot; boxes are passed through."""
     kind, label = "", ""
     if route.incoming is None or route.parent is None:

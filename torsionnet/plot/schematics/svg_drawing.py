@@ -295,7 +295,7 @@ def schematic_svg(model: Drivetrain, *, width: float = PAPER_WIDTH) -> Schematic
     whole = arranged(model, page_width(width))
     x0, x1, y0, y1 = framed(whole.extent)
     groups = drawn_groups(model, whole)
-    body = [_loose(whole), *(_written(group, groups) for group in groups.values() if not group.within)]
+    body = [_loose(whole), *(_group_text(group, groups) for group in groups.values() if not group.within)]
     box = " ".join(map(number, (x0, -y1, x1 - x0, y1 - y0)))
     name = attribute_text(f"schematic of {model.title}")
     svg = (
@@ -317,7 +317,7 @@ def _loose(whole: Piece) -> str:
     return f'<g class="rest">{strokes_svg(strokes)}{labels_svg(labels)}</g>\n'
 
 
-def _written(group: SvgGroup, groups: Mapping[Owner, SvgGroup]) -> str:
+def _group_text(group: SvgGroup, groups: Mapping[Owner, SvgGroup]) -> str:
     """Text of a group, with the groups of parts that are drawn within it around its strokes.
 
     Strokes of hidden parts are those of the symbol that hides them, so that either marks the same symbol.

@@ -185,14 +185,14 @@ def _panel(
     if not len(here):
         write_in_empty_panel(axes, "no point has a value")
     elif np.ptp(here) > EQUAL_VALUES * np.abs(here).max():
-        lines = axes.contour(*at, values, levels=_lines(here), colors=style.PAPER, linewidths=0.8)
+        lines = axes.contour(*at, values, levels=_contour_values(here), colors=style.PAPER, linewidths=0.8)
         axes.clabel(lines, fontsize=style.SMALL, fmt=style.tick_text)
     axes.set(xlim=(at[0][0], at[0][-1]), ylim=(at[1][0], at[1][-1]))
     style.style_axes(axes)
     axes.grid(visible=False)
 
 
-def _lines(here: FloatArray) -> Any:
+def _contour_values(here: FloatArray) -> Any:
     """Values of the quantity, as an array in the unit of the values given, at which contour lines run.
 
     Round numbers, or powers of ten.

@@ -81,7 +81,7 @@ def _panel(axes: Axes, result: YieldResult, distributions: list[LimitedValues], 
     style.style_axes(axes)
     with_values = [distribution for distribution in distributions if distribution.counts.any()]
     if with_values:
-        _ends(axes, first, scale, with_values, units)
+        _set_value_axis(axes, first, scale, with_values, units)
         axes.set_ylim(bottom=0)
     else:
         write_in_empty_panel(axes, "no variant has a value")
@@ -113,7 +113,9 @@ def _drawn(axes: Axes, distribution: LimitedValues, scale: float, number: int, l
         axes.stairs(density, distribution.edges * scale, label=label, **look)
 
 
-def _ends(axes: Axes, first: LimitedValues, scale: float, drawn: list[LimitedValues], units: ShownUnits) -> None:
+def _set_value_axis(
+    axes: Axes, first: LimitedValues, scale: float, drawn: list[LimitedValues], units: ShownUnits
+) -> None:
     """Set the ends of the value axis to all values and near limits, shade beyond limits, and name far limits."""
     low = scale * min(distribution.edges[0] for distribution in drawn)
     high = scale * max(distribution.edges[-1] for distribution in drawn)

@@ -96,10 +96,10 @@ def scatter_matrix(
             _points(axes, columns[parameter], columns[quantity])
             _coefficient(axes, result, cases, parameter, quantity)
             style.style_axes(axes)
-        _scaled(row[0], "y", columns[quantity])
+        _scale_axis(row[0], "y", columns[quantity])
         row[0].set_ylabel(axis_label(quantity, units.unit(quantity, si[quantity]), PANEL_HEIGHT))
     for axes, parameter in zip(panels[-1], shown, strict=True):
-        _scaled(axes, "x", columns[parameter])
+        _scale_axis(axes, "x", columns[parameter])
         axes.set_xlabel(axis_label(parameter, units.unit(parameter, si[parameter]), width / len(shown) - 0.2))
     handles, labels = panels[0][0].get_legend_handles_labels()
     if len(labels) > 1:
@@ -141,7 +141,7 @@ def _bins(values: FloatArray) -> FloatArray:
     return (np.geomspace if is_wide(values, WIDE_RANGE) else np.linspace)(low, high, DENSITY_CELLS + 1)
 
 
-def _scaled(axes: Axes, side: str, columns: dict[str, FloatArray]) -> None:
+def _scale_axis(axes: Axes, side: str, columns: dict[str, FloatArray]) -> None:
     """Make an axis logarithmic if its values span decades, and give it room around values that are all the same."""
     values = finite_values(columns.values())
     ends = axis_ends(values)
@@ -212,7 +212,7 @@ def parallel_coordinates(
     sheet, _ = style.grid_panels(width, 1.2 + height * len(result.variants), list(result.variants), ax)
     panels = sheet.panels
     for axes, (case, columns) in zip(panels, result.variants.items(), strict=True):
-        shares = np.column_stack([_shares(columns[name] * scales[name], every[name]) for name in names])
+        shares = np.column_stack([_heights(columns[name] * scales[name], every[name]) for name in names])
         _lines(axes, shares, result.beyond[case])
         _scales(axes, [axis_ends(every[name]) if len(every[name]) else None for name in names])
         if not np.isfinite(shares).any():
@@ -228,7 +228,7 @@ def parallel_coordinates(
     return sheet.titled(result.title if title is None else title)
 
 
-def _shares(values: FloatArray, every: FloatArray) -> FloatArray:
+def _heights(values: FloatArray, every: FloatArray) -> FloatArray:
     """Heights of values on one of the parallel axes, from 0 at its lower to 1 at its upper end, in the values' shape.
 
     Logarithmic if values are decades apart.

@@ -82,7 +82,7 @@ def _panels(
     return sheet
 
 
-def _table(
+def _worst_sheet(
     result: WorstCaseResult, cases: list[str], names: list[str], units: ShownUnits, ax: GivenAxes
 ) -> style.Sheet:
     """Sheet of worst cases with a panel of values, a panel of parameters, and a row per configuration and direction.

@@ -155,7 +155,7 @@ def _records(judged: LimitConclusion, worst: WorstLimit) -> Iterator[WorstLimit]
         yield max(graver, key=lambda limit_verdict: limit_verdict.utilisation or 0.0)
 
 
-def _rows(subject: ReportData, worst: Sequence[WorstLimit], *, named: bool) -> tuple[tuple[Cell, ...], ...]:
+def _component_rows(subject: ReportData, worst: Sequence[WorstLimit], *, named: bool) -> tuple[tuple[Cell, ...], ...]:
     """Rows of the table of components; ``named`` tells whether they say the condition."""
     sizes = [_sizes(subject, limit) for limit in worst]
     cells: list[list[Cell]] = [

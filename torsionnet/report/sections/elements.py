@@ -86,7 +86,7 @@ def _elements(rig: Drivetrain, title: str) -> TableBlock:
         Heading("Remark", wide=True),
     )
     shown = _alike(rig)
-    rows = [row for group in shown[:MOST_ELEMENTS] for row in _rows(group, rig)]
+    rows = [row for group in shown[:MOST_ELEMENTS] for row in _group_rows(group, rig)]
     where = phrase(" in configuration {name}", name=title) if title else ""
     elements = table(phrase("Elements{where}; values in SI units", where=where), columns, rows)
     return replace(elements, more=sum(map(len, shown[MOST_ELEMENTS:])))
@@ -96,19 +96,19 @@ def _alike(rig: Drivetrain) -> list[list[Element]]:
     """Elements of a drivetrain grouped by equal type and values."""
     groups: dict[str, list[Element]] = {}
     for element in rig.definition.elements.values():
-        values = [shown_cells(row) for row in _values(element, rig)]
+        values = [shown_cells(row) for row in _property_cells(element, rig)]
         groups.setdefault(str((element.kind, _remark(element), values)), []).append(element)
     return list(groups.values())
 
 
-def _rows(group: list[Element], rig: Drivetrain) -> Iterator[Row]:
+def _group_rows(group: list[Element], rig: Drivetrain) -> Iterator[Row]:
     """Table rows on a group of equal elements, one for each property; the elements are named in the first row only."""
     element = group[0]
     ends = [between(each) for each in group]
     names, nodes = [as_words(each.name) for each in group], list(dict.fromkeys(ends))
     rest = f"; … and {len(nodes) - MOST_ELEMENTS} more" if len(nodes) > MOST_ELEMENTS else ""
     head: Row = (first_names(names, MOST_ELEMENTS), as_words(element.kind), "; ".join(nodes[:MOST_ELEMENTS]) + rest)
-    values = list(_values(element, rig)) or [("", "", "", "")]
+    values = list(_property_cells(element, rig)) or [("", "", "", "")]
     for number, row in enumerate(values):
         yield (*(head if not number else ("", "", "")), *row, _remark(element) if not number else "")
 
@@ -124,7 +124,7 @@ def between(element: Element) -> str:
     return ", ".join(f"{as_words(port)}: {as_words(node)}" for port, node in element.ports.items())
 
 
-def _values(element: Element, rig: Drivetrain) -> Iterator[tuple[Cell, Cell, Cell, Cell]]:
+def _property_cells(element: Element, rig: Drivetrain) -> Iterator[tuple[Cell, Cell, Cell, Cell]]:
     """Property, symbol, value and unit, as cells, of everything that the model gives of an element."""
     defaults = element.defaults()
     for name, spec, value in given(element):

@@ -95,7 +95,7 @@ def equations_section(subject: ReportData) -> Section:
         )
         inner = tuple(block for form in others for block in _form(form, several=True))
         blocks.append(Details((title,), inner, (title, ": in the report as HTML.")))
-    blocks += _numbers(subject)
+    blocks += _matrix_tables(subject)
     return Section("equations", ("Equations of motion",), tuple(blocks))
 
 
@@ -179,7 +179,7 @@ def _introduction(system: Any) -> Text:
     return (text, more) if reflected else (text,)
 
 
-def _numbers(subject: ReportData) -> list[Block]:
+def _matrix_tables(subject: ReportData) -> list[Block]:
     """Table of the matrices M, C and K in numbers in SI units, of every configuration of the report.
 
     A matrix that is the same in all cases stands once.

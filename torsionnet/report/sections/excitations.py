@@ -91,10 +91,10 @@ def _properties(entry: Declared, over: str = "") -> Iterator[Row]:
         if isinstance(spec, Nested) and isinstance(value, Declared):
             yield from _properties(value, f"{over}{as_words(name)}: ")
         else:
-            yield f"{over}{as_words(name)}", *_shown(spec, value)
+            yield f"{over}{as_words(name)}", *_value_cells(spec, value)
 
 
-def _shown(spec: Spec[object], value: Any) -> tuple[Cell, Cell]:
+def _value_cells(spec: Spec[object], value: Any) -> tuple[Cell, Cell]:
     """Value and unit of an entry as two cells."""
     if isinstance(spec, Value) and spec.dimension == "speed":
         return NumberText(value * RPM, 6), "rpm"
@@ -113,7 +113,7 @@ def _shown(spec: Spec[object], value: Any) -> tuple[Cell, Cell]:
     return _text(spec.plain(value)), "–"
 
 
-def _given(entry: Declared) -> str:
+def _given_values_text(entry: Declared) -> str:
     """Text with the names and values of what is given of one of several entries, each number with its unit."""
     absent = dict(entry.defaults())
     entries = ((name, spec, getattr(entry, name)) for name, spec in entry.specs())
@@ -190,7 +190,7 @@ def _changes(subject: ReportData) -> Iterator[Row]:
             for entry, spec in excitation.specs():
                 value = getattr(excitation, entry)
                 if name in written and value != getattr(written[name], entry, None):
-                    yield case.title, as_words(name), as_words(entry), _shown(spec, value)[0]
+                    yield case.title, as_words(name), as_words(entry), _value_cells(spec, value)[0]
 
 
 # Section of a report on the excitation: engines, propellers, and everything else that acts by order.

@@ -318,12 +318,12 @@ def _notes(sheet: MassElasticTable, block: TableBlock, materials: dict[str, str]
 
 def _changes(tables: Sequence[MassElasticTable], names: Sequence[str], titles: ConditionTitles) -> Iterator[Text]:
     """Sentences on the values that other conditions have, one for all values that the same conditions share."""
-    written = _values(tables[0])
+    written = _mass_elastic_values(tables[0])
     places: dict[str, list[str]] = {}
     values: dict[tuple[str, str, str], list[str]] = {}
     sums: dict[str, list[str]] = {}
     for other, name in zip(tables[1:], names[1:], strict=True):
-        now = _values(other)
+        now = _mass_elastic_values(other)
         absent = dict.fromkeys(about for _, about in written if (_, about) not in now)
         added = dict.fromkeys(about for _, about in now if (_, about) not in written)
         for text in [f"Without {as_words(part)}" for part in absent] + [f"With {as_words(part)}" for part in added]:

@@ -338,10 +338,10 @@ def _range(subject: ReportData, barred: PassedRange, number: int) -> Iterator[Bl
     if notes:
         _, first, *rest = (part for note in notes for part in ("; ", as_words(note)))
         yield Paragraph((capital(first), *rest, "."))
-    yield from _beyond(subject, passages)
+    yield from _sentence_on_vibration_outside(subject, passages)
 
 
-def _beyond(subject: ReportData, passages: Sequence[RangePassage]) -> Iterator[Paragraph]:
+def _sentence_on_vibration_outside(subject: ReportData, passages: Sequence[RangePassage]) -> Iterator[Paragraph]:
     """Sentence on the largest vibration outside of a range, if any there is above what is allowed when it lasts."""
     left = [(passage, beyond) for passage in passages if (beyond := passage.beyond) is not None]
     if left:

@@ -206,13 +206,13 @@ def _energies(subject: ReportData, modes_by_case: tuple[Modes, ...]) -> TableBlo
 def _energy(modes: Modes, index: int) -> tuple[str, str, str]:
     """Texts on where the kinetic energy, strain energy and dissipated power of a mode are."""
     return (
-        _shares(modes.elements, modes.kinetic[:, index]),
-        _shares(modes.elements, modes.strain[:, index]),
-        _shares(modes.elements, modes.dissipated[:, index]),
+        _energy_shares_text(modes.elements, modes.kinetic[:, index]),
+        _energy_shares_text(modes.elements, modes.strain[:, index]),
+        _energy_shares_text(modes.elements, modes.dissipated[:, index]),
     )
 
 
-def _shares(elements: tuple[str, ...], shares: np.ndarray[tuple[int], np.dtype[np.float64]]) -> str:
+def _energy_shares_text(elements: tuple[str, ...], shares: np.ndarray[tuple[int], np.dtype[np.float64]]) -> str:
     """Text of the elements of a mode with their shares of the energy: ``dmf 79 %, half shaft 21 %``."""
     order = np.argsort(-np.round(shares, 9), kind="stable")[:MOST_SHARES]
     kept = [index for index in order if shares[index] >= LEAST_SHARE]

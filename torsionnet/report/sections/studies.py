@@ -113,7 +113,7 @@ def _by_configuration(study: Study, name: str) -> Iterator[EqualVariation]:
     yield from by_values.values()
 
 
-def _numbers(sizes: Mapping[str, float], scale: float) -> Text:
+def _distribution_text(sizes: Mapping[str, float], scale: float) -> Text:
     """Text of the numbers of a distribution, such as its mean and standard deviation.
 
     ``mean 0.46, standard deviation 0.018``.

@@ -135,7 +135,7 @@ def _notes(subject: ReportData) -> Iterator[Cell]:
     model = subject.model
     loaded = any(model.mean_speeds.values()) or any(model.mean_torques.values())
     about = phrase(" about the operating point") if loaded else ""
-    laws = _named(subject, _follows_point)
+    laws = _names_that_fit(subject, _follows_point)
     if laws:
         yield phrase(SMALL, about=about)
         yield phrase(LAWS, names=laws)
@@ -153,7 +153,7 @@ def _notes(subject: ReportData) -> Iterator[Cell]:
     yield from _about(subject, TABULATED, TabulatedSpring)
     yield from (f"{capital(note)}." for note in subject.table_reads.notes())
     for text, lash in ((GEARS, False), (GEARS_WITH_BACKLASH, True)):
-        gears = _named(subject, partial(_is_gear, lash))
+        gears = _names_that_fit(subject, partial(_is_gear, lash))
         if gears:
             yield phrase(text, names=gears)
     yield from _about(subject, CLAMPS, Lock)
@@ -170,12 +170,12 @@ def _is_gear(with_backlash: bool, element: Element, definition: Definition) -> b
 
 def _about(subject: ReportData, text: str, *kinds: type[Element]) -> Iterator[str]:
     """Text on an assumption with the names of the elements of these types, if any is in a configuration."""
-    names = _named(subject, lambda element, _: isinstance(element, kinds))
+    names = _names_that_fit(subject, lambda element, _: isinstance(element, kinds))
     if names:
         yield phrase(text, names=names)
 
 
-def _named(subject: ReportData, fits: Callable[[Element, Definition], bool]) -> str:
+def _names_that_fit(subject: ReportData, fits: Callable[[Element, Definition], bool]) -> str:
     """Names of the elements that fit, in any configuration, as a text; empty if there are none."""
     names = {
         name: None

@@ -43,10 +43,10 @@ def omml(latex: str) -> str:
     >>> omml("2").replace(_FONT, "")
     '<m:oMath><m:r><m:rPr><m:sty m:val="p"/></m:rPr><m:t xml:space="preserve">2</m:t></m:r></m:oMath>'
     """
-    return f"<m:oMath>{_row(ET.fromstring(mathml(latex)))}</m:oMath>"
+    return f"<m:oMath>{_omml_row(ET.fromstring(mathml(latex)))}</m:oMath>"
 
 
-def _row(parent: ET.Element) -> str:
+def _omml_row(parent: ET.Element) -> str:
     """OMML of all that stands in an element of MathML; brackets around it or around a matrix grow with it."""
     inner = list(parent)
     if len(inner) > 1 and inner[0].get("form") == "prefix" and inner[-1].get("form") == "postfix":
@@ -81,13 +81,13 @@ def _math_part(node: ET.Element) -> str:
             under = f"<m:limLow>{_named(node[:2], ('e', 'lim'))}</m:limLow>"
             return f"<m:limUpp><m:e>{under}</m:e>{_held('lim', node[2])}</m:limUpp>"
         case "msqrt":
-            return f'<m:rad><m:radPr><m:degHide m:val="1"/></m:radPr><m:deg/><m:e>{_row(node)}</m:e></m:rad>'
+            return f'<m:rad><m:radPr><m:degHide m:val="1"/></m:radPr><m:deg/><m:e>{_omml_row(node)}</m:e></m:rad>'
         case "mtable":
             return _matrix(node)
     if node.tag in _SCRIPTS:
         name, parts = _SCRIPTS[node.tag]
         return f"<m:{name}>{_named(list(node), parts)}</m:{name}>"
-    return _row(node)
+    return _omml_row(node)
 
 
 def _named(nodes: Sequence[ET.Element], names: Sequence[str]) -> str:
@@ -104,7 +104,7 @@ def _matrix(node: ET.Element) -> str:
         '<m:mPr><m:plcHide m:val="1"/><m:mcs><m:mc><m:mcPr>'
         f'<m:count m:val="{columns}"/><m:mcJc m:val="center"/></m:mcPr></m:mc></m:mcs></m:mPr>'
     )
-    rows = "".join("<m:mr>" + "".join(f"<m:e>{_row(cell)}</m:e>" for cell in row) + "</m:mr>" for row in node)
+    rows = "".join("<m:mr>" + "".join(f"<m:e>{_omml_row(cell)}</m:e>" for cell in row) + "</m:mr>" for row in node)
     return f"<m:m>{head}{rows}</m:m>"
 
 

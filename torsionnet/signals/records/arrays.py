@@ -71,7 +71,7 @@ def with_table_clocks(source: Source, stamped: Collection[int] = ()) -> Source:
     ]
     if len(named) < 2 or source.time not in (None, named[0]):
         return source
-    stamps = _read(source, named)
+    stamps = _time_columns(source, named)
     first = stamps.get(named[0].column, np.empty(0))
     clocks = [clock for clock in named[1:] if clock.column in stamps and not _same(stamps[clock.column], first)]
     if not clocks or not len(first):
@@ -146,7 +146,7 @@ def _is_time_of(time: FileChannel, channel: FileChannel) -> bool:
     return bool(count == 1 and _NUMBERED.fullmatch(own))
 
 
-def _read(source: Source, clocks: Sequence[FileChannel]) -> Mapping[int, FloatArray]:
+def _time_columns(source: Source, clocks: Sequence[FileChannel]) -> Mapping[int, FloatArray]:
     """Time stamps (n,) in s by column, without empty cells behind them; only those that rise."""
     stamps = dict[int, FloatArray]()
     for clock in clocks:

@@ -55,7 +55,7 @@ def rounded_grid(stamps: FloatArray, scale: float = 1.0) -> RoundedGrid | None:
         away = written - stamps[0]
         low, high = away - half - slack, away + half + slack
         least, most = (float(low[-1] - high[0]) / last, float(high[-1] - low[0]) / last)
-        ends = _end(low, high, least, 1), _end(low, high, most, -1)
+        ends = _extreme_interval(low, high, least, 1), _extreme_interval(low, high, most, -1)
         if ends[0] is None or ends[1] is None or not 0 < ends[0] <= ends[1]:
             continue
         if 2.01 * float(np.min(half)) > ends[1] and not np.all(np.diff(stamps) > 0):
@@ -104,7 +104,7 @@ def _unit(stamps: FloatArray, digits: int) -> FloatArray:
     return np.asarray(10.0 ** (np.maximum(powers, LEAST_POWER) + 1 - digits))
 
 
-def _end(low: FloatArray, high: FloatArray, interval: float, way: int) -> float | None:
+def _extreme_interval(low: FloatArray, high: FloatArray, interval: float, way: int) -> float | None:
     """Least (``way`` 1) or largest (-1) sampling interval of a grid between two bounds (n,), from one beyond it.
 
     The room between the bounds, less k intervals, is a concave function of the interval, made of straight pieces:

@@ -262,7 +262,7 @@ def phase_between(first: WheelRotation, second: WheelRotation) -> float:
     UsageError
         The wheels do not turn together.
     """
-    shares = _shares(first, second, 0)
+    shares = _tooth_phases(first, second, 0)
     return float(np.angle(np.exp(2j * np.pi * shares).mean()) / (2 * np.pi) % 1)
 
 
@@ -291,7 +291,7 @@ def tooth_by_difference(first: WheelRotation, second: WheelRotation, phase: floa
             "so that their difference returns within a turn; take counts without one, as 60 and 61",
             kind="contradicting-values",
         )
-    shares = _shares(first, second, int(first.numbers[0]))
+    shares = _tooth_phases(first, second, int(first.numbers[0]))
     # The phase goes on by n_2/n_1 of a pitch per tooth: all differ where the numbers have no common divisor.
     seen = np.exp(2j * np.pi * shares).mean()
     expected = np.exp(2j * np.pi * (phase + np.arange(teeth) * others / teeth))
@@ -307,7 +307,7 @@ def tooth_by_difference(first: WheelRotation, second: WheelRotation, phase: floa
     return best
 
 
-def _shares(first: WheelRotation, second: WheelRotation, number: int) -> FloatArray:
+def _tooth_phases(first: WheelRotation, second: WheelRotation, number: int) -> FloatArray:
     """Phases of the second wheel at whole turns of the first after its tooth ``number``, in shares of a pitch (n,)."""
     inside = (first.times >= second.times[0]) & (first.times <= second.times[-1])
     times, numbers = first.times[inside], first.numbers[inside] - number

@@ -268,7 +268,7 @@ def _converged(stack: Stack, orders: OrderSet, evidence: PitchEvidence) -> tuple
         rows = [_pattern_order(order, orders, evidence, first, second, known) for order in orders.whole]
         change = sum(
             ((row.value - known[row.order]) * np.exp(1j * row.order * tooth)).real for row in rows if row.resolved
-        ) - _beyond(stack, positions, orders, evidence.wheel)
+        ) - _unseen_positions(stack, positions, orders, evidence.wheel)
         known = {row.order: row.value if row.resolved else 0j for row in rows}
         positions = positions + change
         if np.abs(change).max() < CONVERGED:
@@ -291,7 +291,7 @@ def _pattern_order(
     return replace(judged, value=judged.value + known[order])
 
 
-def _beyond(stack: Stack, positions: FloatArray, orders: OrderSet, wheel: Wheel) -> FloatArray:
+def _unseen_positions(stack: Stack, positions: FloatArray, orders: OrderSet, wheel: Wheel) -> FloatArray:
     """Positions in rad that are missing yet of orders above those of vibration, shape (teeth,), with minus sign."""
     left = _over_windows(stack, positions)[0]
     # With a gap the teeth have no even spectrum: all that is left counts.

@@ -57,7 +57,12 @@ def loop_remarks(
     loop: TorqueLoop, record: LoopRecord, applied: Applied, step: float, *, sine: bool
 ) -> list[NoteOrText]:
     """Remarks on a loop: effects of inertia, delay, drift, steps and what is elastic, as far as not corrected."""
-    found = [*_motion(loop, applied, sine=sine), *_drift(loop, applied), *_steps(loop, record, step), *_sides(loop)]
+    found = [
+        *_motion(loop, applied, sine=sine),
+        *_drift(loop, applied),
+        *_remark_on_steps(loop, record, step),
+        *_sides(loop),
+    ]
     if loop.cycles < 3:
         text = "{count} cycles behind the intervals, of which the first is left out: record five or more"
         found.append(phrase(text, count=loop.cycles))
@@ -198,7 +203,7 @@ def _drift(loop: TorqueLoop, applied: Applied) -> list[NoteOrText]:
     return [phrase(text, drift=loop.drift.value)]
 
 
-def _steps(loop: TorqueLoop, record: LoopRecord, step: float) -> list[NoteOrText]:
+def _remark_on_steps(loop: TorqueLoop, record: LoopRecord, step: float) -> list[NoteOrText]:
     """Remark on steps of the encoder."""
     steepest = max((one.stiffness.value for one in loop.stages), default=loop.secant_stiffness.value)
     over = step * steepest / record.torque_noise if step else 0.0

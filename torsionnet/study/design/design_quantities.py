@@ -108,7 +108,7 @@ class ExactSlopes:
         return _part(quantity.part, evaluation.values[:, 0, 0], evaluation.jacobian[:, 0, 0])
 
 
-def _part(part: str, y: ComplexArray, dy: ComplexArray) -> FloatArray:
+def _part_derivatives(part: str, y: ComplexArray, dy: ComplexArray) -> FloatArray:
     """Derivatives (n_f, n_p) of a part, such as the magnitude, of y (n_f,) from derivatives (n_f, n_p) of y."""
     if part in ("real", "imaginary"):
         return np.asarray(dy.real if part == "real" else dy.imag)

@@ -102,7 +102,7 @@ def solve_programme(problem: DesignProblem, place: FloatArray) -> FloatArray:
         chosen = BoundedPoints.highest(problem, place).with_curve_points(problem, place)
         for _ in range(MOST_PEAK_ROUNDS if chosen.peaks else MOST_LOCAL_ROUNDS):
             rows = BoundedRows(problem, chosen, place)
-            place = _solved(rows, place)
+            place = _programme_solution(rows, place)
             rank = problem.ranks(problem.at(place))[0]
             if rank < best_rank:
                 best, best_rank = place, rank
@@ -116,7 +116,7 @@ def solve_programme(problem: DesignProblem, place: FloatArray) -> FloatArray:
     return best
 
 
-def _solved(rows: BoundedRows, start: FloatArray) -> FloatArray:
+def _programme_solution(rows: BoundedRows, start: FloatArray) -> FloatArray:
     """Point (n_p,) that minimises t, with the active rows of the objective below t and those of the limits below 0."""
     # Minimax as a smooth programme: t is minimised, all rows of the objective stay below t; one row needs no t.
     size, sizes = len(start), rows.sizes(start)

@@ -187,7 +187,7 @@ def _sums(indices: SobolWords, directions: SobolWords) -> SobolWords:
 
 
 @lru_cache(maxsize=8)
-def _table(dimension: int, bits: int, seed: int) -> tuple[SobolWords, SobolWords]:
+def _sobol_start(dimension: int, bits: int, seed: int) -> tuple[SobolWords, SobolWords]:
     """First points (2^LOW_BITS, n) of the Sobol sequence and its direction numbers (bits, n)."""
     from scipy.stats.qmc import Sobol
 

@@ -104,7 +104,7 @@ class PeriodicCommand(ModelCommand):
             list(self.outputs),
             harmonics=self.harmonics or "auto",
             subharmonics=int(self.subharmonics),
-            initial_state=_start(self.states),
+            initial_state=_initial_state(self.states),
             **over,
         )
         return response
@@ -123,7 +123,7 @@ def _harmonics(name: str, text: str) -> dict[int, complex]:
         raise UsageError(what, kind="wrong-form") from None
 
 
-def _start(states: Sequence[str]) -> str | MotionStart | None:
+def _initial_state(states: Sequence[str]) -> str | MotionStart | None:
     """State in which simulations begin: a word, or angles and speeds from "NODE=ANGLE,SPEED"; None without one.
 
     >>> _start(["a=0.1,0", "b=0,-2"])

@@ -40,7 +40,7 @@ class SpectrogramCommand(RecordCommand):
 
         seen, shown = self.spectrograms(), Conventions(angle=self.angle)
         return Answer(
-            screen=lambda: map(_table, seen),
+            screen=lambda: map(_strongest_lines, seen),
             data=lambda: seen,
             csv=lambda: [(channel.name, _table(channel, every=True)) for channel in seen],
             figures=lambda plot: [
@@ -77,7 +77,7 @@ def _joined(blocks: list[Recording]) -> Recording:
     return replace(first, signals=signals)
 
 
-def _table(seen: Spectrogram, *, every: bool = False) -> Table:
+def _strongest_lines(seen: Spectrogram, *, every: bool = False) -> Table:
     """Table of the strongest line of a spectrogram over time: at every time, or at about twenty for the screen."""
     from torsionnet.base.table import Column, Table
 

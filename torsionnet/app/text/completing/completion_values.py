@@ -315,7 +315,7 @@ def value_options(writing: Writing, spec: Spec[Any] | None) -> Iterator[Completi
     elif isinstance(spec, NodePair | Listed | PairOf) or type(spec).__name__ == "ListOf":
         yield from _list(writing, spec)
     else:
-        yield from _words(spec, writing.folder)
+        yield from _listed_words(spec, writing.folder)
         yield from _rows_by_name(writing, spec)
         yield from _names(writing, spec)
         if isinstance(spec, DampingQuantity) and "zeta".startswith(writing.word):
@@ -412,14 +412,14 @@ def _list(writing: Writing, spec: Spec[Any]) -> Iterator[CompletionOption]:
     """Options for the first of several values, with the bracket that begins their list."""
     if writing.word:
         if not isinstance(spec, NodePair):
-            yield from _words(spec, writing.folder)
+            yield from _listed_words(spec, writing.folder)
         return
     is_pair = isinstance(spec, NodePair | PairOf)
     inner = spec if isinstance(spec, NodePair) else getattr(spec, "of", None)
     for kind, name in writing.names.for_spec(inner):
         yield CompletionOption(name, kind, f"[{name}, " if is_pair else f"[{name}]", kind)
     if not is_pair and isinstance(inner, Spec):
-        yield from (option._replace(insert=f"[{option.insert}]") for option in _words(inner, writing.folder))
+        yield from (option._replace(insert=f"[{option.insert}]") for option in _listed_words(inner, writing.folder))
 
 
 def _pair(writing: Writing) -> Iterator[CompletionOption]:

@@ -210,8 +210,8 @@ def _segment(file: str, dialect: Dialect, entries: Mapping[str, _Entry], heading
             faults.append(
                 Fault(text, position=entries["X_Dimension"].place(file, dialect.separator, at), kind="wrong-file")
             )
-    intervals = _numbers(entries.get("Delta_X"), "Delta_X", file, dialect, faults)
-    starts = _numbers(entries.get("X0"), "X0", file, dialect, faults)
+    intervals = _numbers_by_cell(entries.get("Delta_X"), "Delta_X", file, dialect, faults)
+    starts = _numbers_by_cell(entries.get("X0"), "X0", file, dialect, faults)
     for at, value in intervals:
         if not value > 0:
             text = f"Delta_X is {value:g} s; the time between two samples is positive"
@@ -232,7 +232,7 @@ def _segment(file: str, dialect: Dialect, entries: Mapping[str, _Entry], heading
         text = f"channels began at {clocks[0]} and {clocks[late]}, as Time says: they were not sampled together"
         position = entries["Time"].place(file, dialect.separator, late + 1)
         faults.append(Fault(f"{text}; save them in files of their own", position=position, kind="unlike-results"))
-    samples = [int(value) for _, value in _numbers(entries.get("Samples"), "Samples", file, dialect, faults)]
+    samples = [int(value) for _, value in _numbers_by_cell(entries.get("Samples"), "Samples", file, dialect, faults)]
     if faults:
         raise ModelError(faults, file)
     begun = [entries[key].cells[0] for key in ("Date", "Time") if key in entries and entries[key].cells]
@@ -255,7 +255,7 @@ def _whole(entry: _Entry | None, key: str, file: str, dialect: Dialect, faults: 
     return int(numbers[0][1]) if numbers else None
 
 
-def _numbers(
+def _numbers_by_cell(
     entry: _Entry | None, key: str, file: str, dialect: Dialect, faults: list[Fault]
 ) -> list[tuple[int, float]]:
     """Numbers of an entry of a header with the number of their cell, whatever their decimal sign."""

@@ -155,10 +155,10 @@ def _pair(kind: str, label: str, unit: str) -> ColumnHeading:
             f"{label} is a level in dB; write the table without --db, levels are rounded and have lost their sign",
             kind="wrong-unit",
         )
-    return ColumnHeading(kind, unit, (output, driven), *_split(unit, label))
+    return ColumnHeading(kind, unit, (output, driven), *_units_of_ratio(unit, label))
 
 
-def _split(unit: str, label: str) -> tuple[str, str, float]:
+def _units_of_ratio(unit: str, label: str) -> tuple[str, str, float]:
     """SI units of output and input in the unit of their ratio, and the factor from SI to the values shown."""
     if not unit:
         raise _HeadingError(f"{label} has no unit; expected one such as {KNOWN_UNITS}", kind="missing-unit")

@@ -115,7 +115,7 @@ def _add(matrix: ResponseMatrix, number: int, item: dict[str, Any], units: FileU
         return [Fault(f"{label} is in the file twice; keep one of them", kind="repeated-name")]
     try:
         (above, up), (below, down) = (
-            _unit(item, axis, side, units) for axis, side in (("ordinate", "rsp"), ("orddenom", "ref"))
+            _si_unit(item, axis, side, units) for axis, side in (("ordinate", "rsp"), ("orddenom", "ref"))
         )
     except UnitError as error:
         return [Fault(f"{label}: {error}", kind=error.kind)]
@@ -170,7 +170,7 @@ def _place(item: dict[str, Any], side: str) -> str:
     return f"{text_in(item, f'{side}_ent_name')}{item.get(f'{side}_node')}{sign}{_DIRECTIONS[abs(direction)]}"
 
 
-def _unit(item: dict[str, Any], axis: str, side: str, units: FileUnits) -> tuple[str, float]:
+def _si_unit(item: dict[str, Any], axis: str, side: str, units: FileUnits) -> tuple[str, float]:
     """SI unit of output or input and the factor to it, by its label, or by its code and the units of the file."""
     label = text_in(item, f"{axis}_axis_units_lab")
     if not label:
