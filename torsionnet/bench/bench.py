@@ -176,9 +176,9 @@ class _Run:
             truth = Signal(name, self.motion.quantity(name), self.motion.read(name, late))
             noise = _generators(self.begin, name)("noise")
             yield recorded_signal(truth, replace(part, delay=0.0), self.acquisition, noise)
-            self._tell(name)
+            self._timed_faults(name)
 
-    def _tell(self, name: str) -> None:
+    def _timed_faults(self, name: str) -> None:
         """Faults of a sampled channel that have a time: drop-outs and the calibration by a shunt."""
         part, count = self.plan.channels[name], len(self.times)
         if isinstance(part, StrainGauge) and part.shunt is not None and count:

@@ -290,11 +290,11 @@ class Projection:
     def _modes(self, coefficients: FloatArray) -> ComplexArray:
         """Columns (n_f, n) of the linear fit for the modes, 1/q and s/q of each factor q of the denominator."""
         s, columns = self.lines.s, []
-        for own, value in self._values(coefficients):
+        for own, value in self._factor_values(coefficients):
             columns += [s**degree / value for degree in range(own.stop - own.start)]
         return np.stack(columns, axis=1)
 
-    def _values(self, coefficients: FloatArray) -> list[tuple[slice, ComplexArray]]:
+    def _factor_values(self, coefficients: FloatArray) -> list[tuple[slice, ComplexArray]]:
         """Slice of the coefficients of each factor of the denominator, and the factor's value at the lines (n_f,)."""
         s, place, factors = self.lines.s, 0, []
         for size in self.sizes:

@@ -146,7 +146,7 @@ class EventLosses:
             energies[own] = energy_rows(self.states, contact).at(Z)
         return energies
 
-    def _ends(self, contact: Contact, few: Stretches) -> FloatArray:
+    def _end_states(self, contact: Contact, few: Stretches) -> FloatArray:
         """States z (N, n) at the ends of stretches in one contact state."""
         at, n_sub = self.states.at, self.states.n_sub
         units = in_steps(at, self.states.h)

@@ -380,7 +380,7 @@ class _DrivenMarch:
                         part.energy.left_over  # noqa: B018  works are those of the steps before
                     self.states.with_steps(h, n_sub)
                     length = h
-                drive = self._grid(stretch, run, steps)
+                drive = self._straight_torques(stretch, run, steps)
                 motion = PieceMotion(self.states, drive, steps, run.n * steps, run.start)
                 record = MotionReadings(self.states, self.readings, self.inputs, run.n + 1, steps, drive)
                 z[at.w] = self.generators.at(stretch, run.start)
@@ -414,7 +414,7 @@ class _DrivenMarch:
         if stretch.end * rate - last > SAMPLE_SLACK:
             yield _Run(last / rate, stretch.end - last / rate, 1, last, alone=True)
 
-    def _grid(self, stretch: Stretch, run: _Run, steps: int) -> FloatArray:
+    def _straight_torques(self, stretch: Stretch, run: _Run, steps: int) -> FloatArray:
         """Straight parts of u (n_points, n_u) at the grid points of a run, and beyond it as far as a block reaches."""
         numbers = np.arange(run.n * steps + BLOCK + 2)
         passed = numbers * (run.interval / steps)

@@ -351,7 +351,7 @@ class LoadCycles(Excitation):
         return []
 
     @property
-    def _pieces(self) -> Iterator[tuple[float, float, float, float]]:
+    def _cycle_pieces(self) -> Iterator[tuple[float, float, float, float]]:
         """Mean before, mean, share of the amplitude and frequency of each piece in turn; a ramp has no share."""
         before = 0.0
         for mean in self.means:
@@ -364,7 +364,7 @@ class LoadCycles(Excitation):
 
     @property
     def length(self) -> float:
-        return sum((self.cycles if level else 1) / frequency for _, _, level, frequency in self._pieces)
+        return sum((self.cycles if level else 1) / frequency for _, _, level, frequency in self._cycle_pieces)
 
     @property
     def highest_frequency(self) -> float:

@@ -55,14 +55,14 @@ class LineEnds:
         if len({end for _, end in self.lines if end}) <= 1:
             return text if self.usual == "\n" else text.replace("\n", self.usual)
         now = text.split("\n")
-        ends = dict(self._kept(now))
+        ends = dict(self._kept_line_ends(now))
         return "".join(f"{line}{ends.get(at, self.usual)}" for at, line in enumerate(now[:-1])) + now[-1]
 
     def bytes_of(self, text: str) -> bytes:
         """Bytes of the file for a text that has none but line feeds."""
         return (codecs.BOM_UTF8 if self.has_mark else b"") + self.given_back(text).encode()
 
-    def _kept(self, now: list[str]) -> list[tuple[int, str]]:
+    def _kept_line_ends(self, now: list[str]) -> list[tuple[int, str]]:
         """Index of each line that the file had before, and its line end there."""
         before = [line for line, _ in self.lines]
         same = 0

@@ -278,7 +278,7 @@ class ModeWalk:
         walking = np.arange(n)
         while walking.size:
             goal = np.minimum(reached + step, 1.0)[walking]
-            ahead = self._at(places[walking], goal, arrived.of(walking))
+            ahead = self._modes_on_the_way(places[walking], goal, arrived.of(walking))
             there = ~np.isnan(ahead.values).all(axis=1)
             chosen, clear = successors(known.of(walking), ahead)
             # At the shortest step modes count as crossing: the largest common energy decides.
@@ -298,7 +298,7 @@ class ModeWalk:
             walking = walking[reached[walking] < 1]
         return columns
 
-    def _at(self, places: NDArray[np.intp], shares: FloatArray, arrived: FollowedModes) -> FollowedModes:
+    def _modes_on_the_way(self, places: NDArray[np.intp], shares: FloatArray, arrived: FollowedModes) -> FollowedModes:
         """Eigenvalues (rad/s) and energy vectors of variants at ``shares`` (n,) of the ways to their parameter values.
 
         The share is 1 at the end.

@@ -317,11 +317,11 @@ class _Planner:
         The equations, with b and b_e, stand in the header of the module.
         """
         # Reactions on given columns are taken as soon as they depend on a single row.
-        handed_on = [*self._settled()] if self.open else []
+        handed_on = [*self._settled_reactions()] if self.open else []
         # Many rows on v: the fewer links and grounds that equal them take their place.
         n_rows = len(self.laws.touching.get(v, ()))
         if n_rows > MOST_UNSPLIT_ROWS and n_rows > SPLIT_ROW_MULTIPLE * (len(self._neighbours(v)) + 1):
-            handed_on += self._split(v)
+            handed_on += self._split_into_links(v)
         slots, loads = self.laws.take(v), self.loads.take(v)
         rows = [self.laws.rows[slot] for slot in slots]
         # D': one row b for each pair of rows on v, but where b vanishes or resists given motions alone.
@@ -361,7 +361,7 @@ class _Planner:
             shared=tuple(sorted(shared)),
         )
 
-    def _split(self, v: int) -> Iterable[tuple[int, tuple[tuple[int, float], ...]]]:
+    def _split_into_links(self, v: int) -> Iterable[tuple[int, tuple[tuple[int, float], ...]]]:
         """Yield numbers of the rows on a coordinate that links and grounds replace, with these and their weights.
 
         Rows along the common motion are not split.
@@ -382,7 +382,7 @@ class _Planner:
 
     # --- reactions --------------------------------------------------------------------------------------------------
 
-    def _settled(self) -> Iterable[tuple[int, tuple[tuple[int, float], ...]]]:
+    def _settled_reactions(self) -> Iterable[tuple[int, tuple[tuple[int, float], ...]]]:
         """Take reactions that depend on a single row, and yield the numbers of rows that drop the given column."""
         for column in sorted(self.open):
             slots = self.laws.touching.get(column, set())

@@ -227,7 +227,7 @@ class _Forward(_Taping):
                         for e, met in [(e, writer.times(own, load)) for e, load in eliminated.loads.items()]:
                             self._add(values, (reading, e), met)
         for slot, given in self.plan.given:
-            for reading, weight in self._taken(slot):
+            for reading, weight in self._weights_on(slot):
                 angles = [(e, TapeQuantity(-1, angle)) for e, angle in enumerate(given) if angle]
                 for e, met in [(e, writer.times(weight, angle)) for e, angle in angles]:
                     self._add(values, (reading, e), met)
@@ -239,7 +239,7 @@ class _Forward(_Taping):
                         self._add(values, (number, excitation), held)
         return values
 
-    def _taken(self, slot: int) -> list[tuple[int, TapeQuantity]]:
+    def _weights_on(self, slot: int) -> list[tuple[int, TapeQuantity]]:
         """Weights by reading with which the motion of this number counts, reactions that depend on it included."""
         for number, reaction in enumerate(self.plan.reactions, len(self.plan.outputs)):
             for law, factor, motion in reaction.laws:

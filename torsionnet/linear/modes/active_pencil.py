@@ -85,7 +85,7 @@ class ActivePencil:
 
     def matrix_at(self, s: complex) -> ComplexArray:
         """Matrix P(s) of the characteristic equation at s in rad/s, (size, size), with roots at zero taken out."""
-        whole = self._whole(s)
+        whole = self._whole_matrix(s)
         # Columns with roots of det P at zero are replaced by deflated ones, divided by s as often as they vanish there.
         for column in self.columns:
             whole[:, column.place] = column.values_at(s)
@@ -94,7 +94,7 @@ class ActivePencil:
                 whole[: self.n_coordinates, column.place] += strain
         return whole
 
-    def _whole(self, s: complex) -> ComplexArray:
+    def _whole_matrix(self, s: complex) -> ComplexArray:
         """Matrix P(s) of the characteristic equation at s in rad/s, (size, size), with roots at zero left in."""
         K, C, M = self._laws
         # K + C s + M s^2, and j B^T diag(k eta) B of hysteretic springs

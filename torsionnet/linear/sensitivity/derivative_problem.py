@@ -151,7 +151,7 @@ class DerivativeProblem:
         self.readings += [
             SolvedReadings(0, {node: Fraction(1)}, -1, still, number) for number, node in enumerate(probes, len(loads))
         ]
-        self._place([self._load(load, names) for load in (*loads, *(Input("torque", node) for node in probes))])
+        self._set_up([self._load(load, names) for load in (*loads, *(Input("torque", node) for node in probes))])
 
     # --- rows -------------------------------------------------------------------------------------------------------
 
@@ -187,7 +187,7 @@ class DerivativeProblem:
         own = {law: exact(value_of(factor)) for law, factor in read.laws.items()}
         return SolvedReadings(0, None, self._gap(GapDerivative(motion, own)), slopes, load)
 
-    def _row(self, row: ExactRow, own: Mapping[int, Fraction] | None = None) -> Row:
+    def _row_without_own(self, row: ExactRow, own: Mapping[int, Fraction] | None = None) -> Row:
         """Coefficients by column of the problem of a row over nodes, less ``own`` in the columns of gaps."""
         by_column = {self.columns[name]: float(a) for name, a in self.reduction.reduced(row).items()}
         for number, gap in enumerate(self.gaps):
@@ -199,7 +199,7 @@ class DerivativeProblem:
 
     def _law_row(self, law: int) -> Row:
         own = {number: gap.own[law] for number, gap in enumerate(self.gaps) if law in gap.own}
-        return self._row(self.system.exact_laws[law], own)
+        return self._row_without_own(self.system.exact_laws[law], own)
 
     def _slope_row(self, slopes: FloatArray, law: int = -1, p: int = -1) -> Row:
         """Row over columns of the derivative (n_nodes,) of a law's or condition's row to one parameter.
@@ -211,7 +211,7 @@ class DerivativeProblem:
 
     # --- the problem ------------------------------------------------------------------------------------------------
 
-    def _place(self, loads: Sequence[Loading]) -> None:
+    def _set_up(self, loads: Sequence[Loading]) -> None:
         """Set up the response problem, and note the numbers of twists, derivatives and motions among its outputs."""
         system, outputs = self.system, _Outputs()
         count = system.inertia.slopes.shape[1]
@@ -251,7 +251,7 @@ class DerivativeProblem:
 
     def _load(self, load: Input, names: Mapping[Input, str]) -> Loading:
         if load.quantity == "torque":
-            return Loading(load=self._row(exact_row(load.row)))
+            return Loading(load=self._row_without_own(exact_row(load.row)))
         return Loading(motion={self.columns[f"input:{names[load]}"]: 1.0})
 
     # --- what its solution says -------------------------------------------------------------------------------------

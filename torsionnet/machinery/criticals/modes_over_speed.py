@@ -167,7 +167,7 @@ class ModesOverSpeed:
     def known(self) -> tuple[float, float]:
         """Lowest and highest speed in rad/s, within the limits, between which tables and laws give the modes."""
         low, high = self.speed_range
-        return self._end(low, self.limits[0]), self._end(high, self.limits[1])
+        return self._nearest_reached(low, self.limits[0]), self._nearest_reached(high, self.limits[1])
 
     @cached_property
     def pieces(self) -> tuple[CurvePiece, ...]:
@@ -229,7 +229,7 @@ class ModesOverSpeed:
     def _points(self) -> OperatingPoints:
         return OperatingPoints(self.drivetrain.external_torques)
 
-    def _parts(self, speed: float) -> Hashable:
+    def _parts_in_force(self, speed: float) -> Hashable:
         """Rows of tables and parts of laws of motion that are in force at a speed in rad/s."""
         rows = self._points.rows(speed * own_ratio(self.drivetrain, self.reference))
         if not self._has_tangents:
@@ -240,7 +240,7 @@ class ModesOverSpeed:
         states = tangents.state.states.items()
         return rows, tuple((name, tuple(state.piece for state in some)) for name, some in states)
 
-    def _end(self, inside: float, outside: float) -> float:
+    def _nearest_reached(self, inside: float, outside: float) -> float:
         """Speed in rad/s nearest to ``outside`` that tables and laws reach."""
         if self._reaches(outside):
             return outside
@@ -254,7 +254,7 @@ class ModesOverSpeed:
         if not self.is_speed_dependent:
             return True
         try:
-            self._parts(speed)
+            self._parts_in_force(speed)
         except (UsageError, ModelError):
             return False
         return True
@@ -274,7 +274,7 @@ class ModesOverSpeed:
         start = first[0]
         if len(first) == 1:
             yield start, start
-        for (low, here), (high, there) in pairwise((speed, self._parts(speed)) for speed in first):
+        for (low, here), (high, there) in pairwise((speed, self._parts_in_force(speed)) for speed in first):
             for before, after in self._changes(low, high, here, there):
                 # Tangents leap, so that each side has its own modes; tables only bend.
                 end, begin = (before, after) if self._has_tangents else (after, after)
@@ -295,7 +295,7 @@ class ModesOverSpeed:
         if high - low <= SAME_BREAK * high:
             yield low, high
             return
-        between = self._parts(middle)
+        between = self._parts_in_force(middle)
         yield from self._changes(low, middle, here, between)
         yield from self._changes(middle, high, between, there)
 
@@ -312,7 +312,7 @@ class ModesOverSpeed:
     def _resolved(self, low: float, high: float, shortest: float) -> Iterator[_FollowedPiece]:
         """Yield pieces of the curves between two speeds in rad/s, each known or shorter than ``shortest``."""
         if high - low <= shortest:
-            yield self._followed(np.unique([low, high]))
+            yield self._continued_modes(np.unique([low, high]))
             return
         before = math.inf
         for count in CURVE_POINTS:
@@ -323,7 +323,7 @@ class ModesOverSpeed:
                     if ends[0] < ends[1]:
                         yield from self._resolved(*ends, shortest)
                 return
-            piece = self._followed(speeds)
+            piece = self._continued_modes(speeds)
             unknown = self._unknown(piece)
             if unknown <= CURVE_PRECISION:
                 yield piece
@@ -354,7 +354,7 @@ class ModesOverSpeed:
         every = [mode for mode in self._modes_at(speed) if self._matters(mode)]
         return tuple(tuple(map(math.isnan, _curves(mode)[:DAMPED])) for mode in every)
 
-    def _followed(self, speeds: FloatArray) -> _FollowedPiece:
+    def _continued_modes(self, speeds: FloatArray) -> _FollowedPiece:
         """Modes at speeds in rad/s, each in the row of the mode at the first speed whose shape it continues."""
         sets = [self._modes_at(speed) for speed in speeds.tolist()]
         places = [np.arange(len(sets[0]))]
@@ -452,7 +452,7 @@ class ModesOverSpeed:
         return [assembly.node_index[name] for name in assembly.kinematics.coordinates]
 
     @cached_property
-    def _numbers(self) -> tuple[tuple[int, ...], ...]:
+    def _numbers_of_pieces(self) -> tuple[tuple[int, ...], ...]:
         """Numbers of the modes of each piece, handed on from the speed of the operating point by the mode shapes."""
         pieces = self._pieces
         first = next((at for at, piece in enumerate(pieces) if self._anchor <= piece.speeds[-1]), len(pieces) - 1)
@@ -478,7 +478,7 @@ class ModesOverSpeed:
         """Numbers of a set of modes near the point ``at`` of a piece, by the shapes there."""
         piece = self._pieces[place]
         near = self._modes_at(float(piece.speeds[at]))
-        return self._carried(near, piece.in_set(at, self._numbers[place], len(near)), every)
+        return self._carried(near, piece.in_set(at, self._numbers_of_pieces[place], len(near)), every)
 
     def _carried(
         self, before: Sequence[VibrationMode], numbers: Sequence[int], after: Sequence[VibrationMode]

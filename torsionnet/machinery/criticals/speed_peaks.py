@@ -117,7 +117,7 @@ class _Search:
         low, high = np.clip(critical * np.array([1 - width, 1 + width]), *self.limits)
         return _around(low, critical, high, POINTS) if high > low else np.zeros(0)
 
-    def _sizes(self, crossings: Sequence[CriticalSpeed], grids: Sequence[FloatArray]) -> list[FloatArray]:
+    def _amplitudes(self, crossings: Sequence[CriticalSpeed], grids: Sequence[FloatArray]) -> list[FloatArray]:
         """Amplitudes (n, n_out), in the unit of each output, of each crossing's order at its own speeds."""
         speeds = np.unique(np.concatenate(grids)) if grids else np.zeros(0)
         if not len(speeds):
@@ -146,7 +146,7 @@ class _Search:
         """Speed in rad/s and amplitude at each maximum, by number of its critical speed, found on ever finer grids."""
         maxima: dict[int, tuple[float, float]] = {}
         for _ in range(ROUNDS if grids else 0):
-            sizes = self._sizes([self.crossings[number] for number in grids], list(grids.values()))
+            sizes = self._amplitudes([self.crossings[number] for number in grids], list(grids.values()))
             for (number, grid), size in zip(list(grids.items()), sizes, strict=True):
                 # The maximum lies between the neighbours of the highest speed: each round divides these two steps
                 # anew.

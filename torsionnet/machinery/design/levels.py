@@ -293,7 +293,7 @@ class WorstLevels:
     def shown(self, points: FloatArray) -> FloatArray:
         return self.parts[0].shown(points - self._room * self.condition(points))
 
-    def _split(self, points: FloatArray) -> list[tuple[Levels, NDArray[np.bool_], FloatArray]]:
+    def _parts_of_points(self, points: FloatArray) -> list[tuple[Levels, NDArray[np.bool_], FloatArray]]:
         """Levels of each condition that has some of the points, mask (n,) of these, and the points within it."""
         places = self.condition(points)
         return [

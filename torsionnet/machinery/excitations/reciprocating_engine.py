@@ -91,7 +91,7 @@ class ReciprocatingEngine(EngineEntries):
             scatter=self._shares("cylinder {number}", scatter) if self.spread else None,
         )
 
-    def _shares(self, what: str, torques: Mapping[int, ComplexArray]) -> TorqueShares:
+    def _shares_by_cylinder(self, what: str, torques: Mapping[int, ComplexArray]) -> TorqueShares:
         """Torque shares of the engine by cylinder, to be added to the sum of all cylinders."""
         return TorqueShares(
             tuple(phrase(what, number=number) for number in torques),

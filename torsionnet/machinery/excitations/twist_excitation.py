@@ -205,7 +205,7 @@ class GearMesh(TwistExcitation):
             return [Fault(text, on_key=True, kind="missing-entry")]
         if self.base_radius is not None:
             return []
-        ways = [line for line in self._lines() if line.error.way is not None]
+        ways = [line for line in self._error_lines() if line.error.way is not None]
         return [
             Fault(
                 "an error given as a way needs the base radius of the wheel: base_radius: 40 mm",
@@ -215,7 +215,7 @@ class GearMesh(TwistExcitation):
             for line in ways
         ]
 
-    def _lines(self) -> Iterator[_Line]:
+    def _error_lines(self) -> Iterator[_Line]:
         """Lines of the gear errors (path, order, error), orders in revolutions of the wheel on ``speed_of``."""
         for multiple, error in self.transmission_error.items():
             yield _Line(("transmission_error", f"{multiple:g}"), multiple * (self.teeth or 1), error)
@@ -265,7 +265,7 @@ class GearMesh(TwistExcitation):
         return faults
 
     def torques(self, speeds: FloatArray) -> OrderTorques:
-        lines = list(self._lines())
+        lines = list(self._error_lines())
         radius = self.base_radius or 1.0
         # A way e along the line of action is an angle e/r_b of the wheel with base radius r_b.
         sizes = [line.error.angle if line.error.way is None else line.error.way / radius for line in lines]

@@ -154,7 +154,7 @@ class RangePassage:
         return times, values
 
     @cached_property
-    def _worst(self) -> tuple[float, float]:
+    def _largest_inside(self) -> tuple[float, float]:
         """Time in s and size in SI of the largest value in the range, as it is marked in whole rpm.
 
         Of all values where one outside of it, while vibration dies away, is above what is allowed in passing.
@@ -197,12 +197,12 @@ class RangePassage:
     @property
     def rpm(self) -> Annotated[float, Out("speed", "rpm", digits=4)]:
         """Speed in rpm at which the value is largest in the range while it is passed."""
-        return float(np.interp(self._worst[0], self.response.times, self.response.rpm))
+        return float(np.interp(self._largest_inside[0], self.response.times, self.response.rpm))
 
     @property
     def largest(self) -> Annotated[float, Out("largest value", digits=4, unit_of="unit")]:
         """Largest value that the limit judges in the range, in its SI unit: a half range, or with its mean."""
-        return self._worst[1]
+        return self._largest_inside[1]
 
     @property
     def steady(self) -> Annotated[float, Out("steady", digits=4, unit_of="unit")]:

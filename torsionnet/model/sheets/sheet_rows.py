@@ -311,9 +311,9 @@ class _Rows:
         is_mass = begun.first in self.rows and self.rows[begun.first] is begun.row
         if source is not None:
             second = first if is_mass else second
-            first = self._named(source)
+            first = self._meant_mass(source)
         if target is not None:
-            second = self._named(target)
+            second = self._meant_mass(target)
         if (source and first is None) or (target and second is None):
             return []
         link = begun.link
@@ -386,7 +386,7 @@ class _Rows:
             return False
         return True
 
-    def _named(self, cell: Cell) -> str | None:
+    def _meant_mass(self, cell: Cell) -> str | None:
         """Name of the mass that a cell of the sheet means by its number or name.
 
         None with a fault where there is none.

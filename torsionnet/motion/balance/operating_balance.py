@@ -281,7 +281,7 @@ class OperatingBalance:
         if faults:
             raise ModelError(faults, self.definition.name)
 
-    def _chosen(self, points: Sequence[BalancedState]) -> BalancedState:
+    def _chosen_point(self, points: Sequence[BalancedState]) -> BalancedState:
         """Stable one of several points, of these the nearest to given speeds, else that in which most laws stick.
 
         Friction that sticks keeps doing so until something makes it slip.

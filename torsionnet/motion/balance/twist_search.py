@@ -260,7 +260,7 @@ class _Search:
         pairs = [graph.at(twist) for graph, twist in zip(self.graphs, (self.rows @ q).tolist(), strict=True)]
         return np.array([torque for torque, _ in pairs]), np.array([slope for _, slope in pairs])
 
-    def _left(self, q: FloatArray, load: float) -> tuple[FloatArray, FloatArray, float]:
+    def _residual(self, q: FloatArray, load: float) -> tuple[FloatArray, FloatArray, float]:
         """Residual torques on the coordinates, slopes of the laws, and the residual that counts as none."""
         own, slopes = self._laws(q)
         inner, outer = self.stiffness @ q, load * self.torques
@@ -271,7 +271,7 @@ class _Search:
 
     def balance(self, q: FloatArray, load: float) -> FloatArray | None:
         """Coordinates in balance with a share of the load, from others, or None where the search fails."""
-        residual, slopes, none = self._left(q, load)
+        residual, slopes, none = self._residual(q, load)
         for _ in range(MOST_STEPS):
             if np.abs(residual).max(initial=0.0) <= none:
                 return q
@@ -279,19 +279,19 @@ class _Search:
             step = solution(self.stiffness + gram(self.rows, np.maximum(slopes, self.floors)), residual)
             if not np.isfinite(step).all():
                 return None
-            after = self._left(q + step, load)
+            after = self._residual(q + step, load)
             # The whole step if energy falls up to its end or the residual halves, else to the minimum along it.
             falls = step @ after[0] >= 0 or np.linalg.norm(after[0]) < np.linalg.norm(residual) / 2
             if not falls:
                 step = step * _zero(partial(self._fall, q, step, load))
-                after = self._left(q + step, load)
+                after = self._residual(q + step, load)
             q = q + step
             residual, slopes, none = after
         return None
 
     def _fall(self, q: FloatArray, step: FloatArray, load: float, share: float) -> float:
         """Fall of the energy per share of a step, after a share of it."""
-        return float(step @ self._left(q + share * step, load)[0])
+        return float(step @ self._residual(q + share * step, load)[0])
 
     def raised(self, q: FloatArray) -> FloatArray | None:
         """Coordinates in balance, from rest with the load raised in steps, or None where that fails too."""

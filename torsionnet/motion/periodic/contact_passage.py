@@ -115,14 +115,14 @@ class ContactMarch:
         z[at.w], z[at.one], z[at.u] = self.w, 1.0, self.means
         z = np.asarray(relative_state(self.states.plant, at, z))
         contact = self.states.at_start(*self._motions(motion), np.ones(len(self.states.laws)))
-        return z, self._held(contact, motion)
+        return z, self._sticking_state(contact, motion)
 
     def _motions(self, motion: PeriodicMotion) -> tuple[FloatArray, FloatArray]:
         twists = self.problem.coordinates(motion)[0] @ self.problem.plant.rows.T
         s = 1j * motion.omega * np.arange(len(twists))[:, None]
         return twists.sum(axis=0).real, (s * twists).sum(axis=0).real
 
-    def _held(self, contact: Contact, motion: PeriodicMotion) -> Contact:
+    def _sticking_state(self, contact: Contact, motion: PeriodicMotion) -> Contact:
         """Contact state in which friction sticks where its torque is below what it holds."""
         places = list(contact)
         for number, law in enumerate(self.states.laws):
@@ -140,7 +140,7 @@ class ContactMarch:
         force, n = self.problem.forces[law], samples(motion.harmonics)
         return force.answer_to(over_time(motion.x[:, law], n), None).torque
 
-    def _table(self, contact: Contact) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _guards_of_block(self, contact: Contact) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Guards (n_g, N), exponential over one look, and guards at all looks of a block (n, n_g, N)."""
         if contact not in self._tables:
             form = self.states.form(contact)
@@ -219,7 +219,7 @@ class ContactMarch:
 
     def _next_event(self, z: FloatArray, contact: Contact, left: float) -> tuple[float, int]:
         """Time in s to the next event and its guard, or the time left and -1."""
-        guards, step, ahead = self._table(contact)
+        guards, step, ahead = self._guards_of_block(contact)
         if not len(guards):
             return left, -1
         A, passed = self.states.form(contact).A, 0.0

@@ -98,7 +98,7 @@ class HillDeterminant:
         places = (edge + 1j * np.linspace(0.0, 0.5, LOOKS + 1) * self.omega).tolist()
         values = [self.log(place) for place in places]
         turned = sum(
-            self._turn(before, other, DEEPEST)
+            self._turn_between(before, other, DEEPEST)
             for before, other in zip(zip(places, values), zip(places[1:], values[1:]))  # noqa: B905
         )
         count = -turned / math.pi
@@ -111,14 +111,14 @@ class HillDeterminant:
         whole = round(count)
         return (whole if abs(count - whole) < WHOLE and whole >= 0 else None), low
 
-    def _turn(self, first: tuple[complex, complex], second: tuple[complex, complex], depth: int) -> float:
+    def _turn_between(self, first: tuple[complex, complex], second: tuple[complex, complex], depth: int) -> float:
         """Angle in rad by which h turns between two places, looked at between them where it turns far."""
         turn = math.remainder(second[1].imag - first[1].imag, 2 * math.pi)
         if abs(turn) < TURN or not depth:
             return turn
         place = (first[0] + second[0]) / 2
         middle = (place, self.log(place))
-        return self._turn(first, middle, depth - 1) + self._turn(middle, second, depth - 1)
+        return self._turn_between(first, middle, depth - 1) + self._turn_between(middle, second, depth - 1)
 
     def zero(self, start: complex) -> complex | None:
         """Zero of h near a place by Newton's method; None where it does not get there."""

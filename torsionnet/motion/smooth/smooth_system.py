@@ -335,7 +335,7 @@ class _SmoothMotion:
             place, which = first_event(guards, sizes, guard_at) if len(plant.states.laws) else (-1.0, -1)
             if which < 0:
                 self._count(now, Z, weights * (end - start))
-                self._read(now, course, end, stretch)
+                self._read_samples(now, course, end, stretch)
                 if self.method.passed(now, stretch, start, solver):
                     return end, now, solver.y
                 continue
@@ -343,7 +343,7 @@ class _SmoothMotion:
             if at > start:
                 Z = plant.whole_states(now, course, start + places * (at - start), stretch)
                 self._count(now, Z, weights * (at - start))
-                self._read(now, course, at, stretch)
+                self._read_samples(now, course, at, stretch)
             return at, *self._event(now, which, course(at), at, stretch)
         return solver.t, now, solver.y
 
@@ -384,7 +384,7 @@ class _SmoothMotion:
             self.works[loser] = self.works.get(loser, 0.0) + plant.stored_energy(now, z) - left
         return following, after
 
-    def _read(self, now: SmoothContact, course: Any, end: float, stretch: Stretch) -> None:
+    def _read_samples(self, now: SmoothContact, course: Any, end: float, stretch: Stretch) -> None:
         """Read samples before a time in s."""
         rate = self.driving.rate
         last = min(self.driving.n, int(np.ceil(end * rate - 1e-9)))

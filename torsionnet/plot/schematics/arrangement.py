@@ -104,9 +104,9 @@ class PartLayout:
         if route.incoming is not None:
             line.begin(route.incoming, route.parent, head)
         self.starts[head] = line.x
-        self.steps[head] = [self._step(line, route.cut(place, place + 1)) for place in range(len(route.vertices))]
+        self.steps[head] = [self._draw_one(line, route.cut(place, place + 1)) for place in range(len(route.vertices))]
 
-    def _step(self, line: ShaftLine, route: LineRoute) -> RouteStep:
+    def _draw_one(self, line: ShaftLine, route: LineRoute) -> RouteStep:
         """Draw one node or box of a shaft line, and return the widths in points that it takes."""
         start, boxes, columns, exits = line.x, len(line.block.boxes), len(line.columns), len(line.exits)
         self._fill(line, route)
@@ -173,11 +173,11 @@ class PartLayout:
         overhang = max(0.0, -min((box[0] for box in line.block.boxes), default=0.0))
         # Where the line goes on below, what leads a loop around it stays out of its way.
         return line.finish(
-            lambda each: self._settled(each, room - overhang - each.x, UP_IF_CUT if loops_up else UP_IF),
+            lambda each: self._drawn_branch(each, room - overhang - each.x, UP_IF_CUT if loops_up else UP_IF),
             may_rise=may_rise,
         )
 
-    def _settled(self, leaving: BranchStart, room: float, loops_up_if: float) -> Branch:
+    def _drawn_branch(self, leaving: BranchStart, room: float, loops_up_if: float) -> Branch:
         """Branch of the schematic with its line as finished drawing, or a flag if there is no room for the line."""
         x, y, what, stages = leaving.x, leaving.y, leaving.what, leaving.stages
         if isinstance(what, Piece):

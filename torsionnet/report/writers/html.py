@@ -211,7 +211,7 @@ class HtmlWriter(PageWriter):
         size = f" style=--size:{layout.size:g}" if layout.size < 1 else ""
         return f"<div class=table{size}>{''.join(parts)}{notes}</div>"
 
-    def _piece(self, piece: Piece, groups: Sequence[TableGroup], name: str) -> str:
+    def _columns_in_box(self, piece: Piece, groups: Sequence[TableGroup], name: str) -> str:
         """Columns of a table, all or those of a piece, in a box that scrolls where the screen is narrow."""
         headings = [placed.column.heading for placed in piece]
         head = "".join(f"<th{_class(heading)} scope=col>{self._heading(heading)}</th>" for heading in headings)

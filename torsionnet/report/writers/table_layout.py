@@ -243,14 +243,14 @@ class TableLayout:
         columns = self.columns
         if sum(column.natural_letters + GAP_LETTERS for column in columns) <= PAGE_LETTERS:
             return (tuple(PlacedColumn(i, column, None, (column.title,)) for i, column in enumerate(columns)),)
-        groups = self._split(self.page_letters)
+        groups = self._pieces_of_columns(self.page_letters)
         # The least width that makes no more pieces makes equal ones: no column stands alone below.
         for letters in range(round(self.page_letters / 2), round(self.page_letters)):
-            if len(groups) > 1 and len(equal := self._split(letters)) == len(groups):
+            if len(groups) > 1 and len(equal := self._pieces_of_columns(letters)) == len(groups):
                 return tuple(map(self._fitted, equal))
         return tuple(map(self._fitted, groups))
 
-    def _split(self, letters: float) -> list[list[int]]:
+    def _pieces_of_columns(self, letters: float) -> list[list[int]]:
         """Indices of the columns of each piece of a table whose pieces are no wider than a number of letters."""
         groups: list[list[int]] = [[]]
         for index in range(len(self.columns)):

@@ -87,7 +87,7 @@ class ExpandedBlock:
         return tuple(dict.fromkeys(values))
 
     @cached_property
-    def _solved(self) -> tuple[Any, Any]:
+    def _angles_and_determinant(self) -> tuple[Any, Any]:
         """Numerators of the block's angles under unit torque nearest the root, and determinant, as ring polynomials."""
         count = len(self._members) + len(self._ratios) + 1
         ring, unknowns = sympy.polys.rings.xring([f"x_{i}" for i in range(count)], sympy.QQ)
@@ -115,11 +115,11 @@ class ExpandedBlock:
         yield self.block.top, self.block.top, unknowns[-1]
 
     def _determinant(self, power: int) -> ProgramNode:
-        terms = {powers: value for powers, value in self._solved[1].terms() if powers[-1] == power}
+        terms = {powers: value for powers, value in self._angles_and_determinant[1].terms() if powers[-1] == power}
         return self._node(terms, self._laws())
 
     def _motion(self, name: str, without: str = "") -> ProgramNode:
-        terms = dict(self._solved[0][self.names.index(name), 0].element.terms())
+        terms = dict(self._angles_and_determinant[0][self.names.index(name), 0].element.terms())
         return self._node(terms, self._laws(without))
 
     def _laws(self, without: str = "") -> list[Quotient]:

@@ -96,7 +96,7 @@ class DampingCommand(RecordCommand):
             figures=lambda plot: [("", plot.operational_modes(modes))],
         )
 
-    def _check(self) -> None:
+    def _refuse_idle_options(self) -> None:
         """Refuse options that say nothing on the kind of record, and channels or orders that are missing."""
         faults = [
             f"--{name.replace('_', '-')} is for --kind {' or '.join(sources)}"

@@ -95,7 +95,7 @@ class ExploreCommand(ModelCommand):
             [read_pair(pair) for pair in self.pairs],
             self.band,
             self.overlay,
-            self._text(),
+            self._starting_text(),
             self.over_speed,
             self.measured,
             is_template=not self.model,
@@ -105,7 +105,7 @@ class ExploreCommand(ModelCommand):
             _serve(server, open_browser=not self.no_browser)
         return Answer()
 
-    def _text(self) -> str | None:
+    def _starting_text(self) -> str | None:
         """Text of a model without a file: the template, or standard input."""
         if not self.model:
             from torsionnet.app.cli.commands.model_files import starting_model

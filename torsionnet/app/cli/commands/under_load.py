@@ -52,7 +52,7 @@ class StaticCommand(ModelCommand):
             csv=lambda: [("", self.combined_table(cases, [state.table(conventions) for state in states]))],
         )
 
-    def _found(self) -> tuple[list[ConfiguredCase], list[StaticState]]:
+    def _loaded_states(self) -> tuple[list[ConfiguredCase], list[StaticState]]:
         """Drivetrains for which the load determines mean torques, and their mean torques, twists and powers.
 
         Notes name the cases left out.

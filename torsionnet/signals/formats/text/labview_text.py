@@ -129,7 +129,7 @@ class _Reader:
         """Yield blocks of ``count`` samples across segments that follow each other, or all of these where it is 0."""
         kept: list[list[FloatArray]] = []
         held = 0
-        for piece, is_apart in self._pieces(columns, count):
+        for piece, is_apart in self._blocks_of_rows(columns, count):
             if is_apart and held:
                 yield _joined(kept)
                 kept, held = [], 0
@@ -142,7 +142,7 @@ class _Reader:
         if held:
             yield _joined(kept)
 
-    def _pieces(self, columns: Sequence[int], count: int) -> Iterator[tuple[list[FloatArray], bool]]:
+    def _blocks_of_rows(self, columns: Sequence[int], count: int) -> Iterator[tuple[list[FloatArray], bool]]:
         """Yield pieces of rows, each with a flag whether it does not follow the one before."""
         self.file.seek(0)
         lines = HeadedLines(iter(self.file))
