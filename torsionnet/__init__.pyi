@@ -26,6 +26,8 @@ from torsionnet.bench import load_bench as load_bench
 from torsionnet.bench.campaign.campaign import load_campaign as load_campaign
 from torsionnet.bench.campaign.running_campaign import run_campaign as run_campaign
 from torsionnet.drivetrain import Drivetrain as Drivetrain
+from torsionnet.drivetrain import load as load
+from torsionnet.drivetrain import loads as loads
 from torsionnet.entry_classes import ShortCircuitScenario as ShortCircuitScenario
 from torsionnet.entry_classes import TorqueScenario as TorqueScenario
 from torsionnet.identification import Fit as Fit
@@ -37,8 +39,6 @@ from torsionnet.linear.frequency_response import Channel as Channel
 from torsionnet.linear.frequency_response import FrequencyResponse as FrequencyResponse
 from torsionnet.linear.modes.modes import Modes as Modes
 from torsionnet.linear.responses.grid import Adaptive as Adaptive
-from torsionnet.drivetrain import load as load
-from torsionnet.drivetrain import loads as loads
 from torsionnet.model.damping import convert_damping as convert_damping
 from torsionnet.model.elements import Element as Element
 from torsionnet.model.elements.element_types import ArcSpring as ArcSpring

@@ -168,7 +168,7 @@ class Program:
         """Payloads (expressions, stiffnesses, constants) of the program's inputs on which output nodes depend."""
         return [self.steps[index][1] for index in self.needed(outputs) if self.steps[index][0] == "leaf"]
 
-    def run(
+    def values_in(
         self, algebra: ProgramAlgebra, outputs: Sequence[ProgramNode], results: dict[int, Any] | None = None
     ) -> list[Any]:
         """Values of the output nodes, in the order given, when the program is evaluated in an algebra.
