@@ -33,7 +33,7 @@ class Floats(ProgramAlgebra):
 def evaluated(tape, values):
     """Value of a number on a tape for other values of the parameters."""
     found = {}
-    return lambda number: tape.run(Floats(values), [number], found)[0]
+    return lambda number: tape.values_in(Floats(values), [number], found)[0]
 
 
 def response(system, number):
