@@ -70,10 +70,6 @@ class Kinematics:
     coordinates: tuple[str, ...]
     made: Mapping[str, MadeParts] = field(default_factory=dict, compare=False, repr=False)
 
-    def reduced(self, row: Mapping[str, Any]) -> Row:
-        """Coefficients by coordinate and imposed angle of a row over nodes."""
-        return self.reduction.reduced(row)
-
     def holds(self, node: str) -> bool:
         """Whether rigid connections to ground keep the node at zero."""
         return not self.reduction.is_free(node) and not self.reduction.reduced({node: 1})

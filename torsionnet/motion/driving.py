@@ -141,7 +141,9 @@ class Driving:
 
 
 def _value(entry: FloatArray | TimeHistory, time: float) -> float:
-    return float(entry[0]) if isinstance(entry, np.ndarray) else float(entry.piece_at(time).values_at(np.array([time]))[0])
+    return (
+        float(entry[0]) if isinstance(entry, np.ndarray) else float(entry.piece_at(time).values_at(np.array([time]))[0])
+    )
 
 
 # Torques and scales of a simulation from what a caller gives: lists at samples, or histories and a duration.

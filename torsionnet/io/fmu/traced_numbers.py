@@ -148,7 +148,9 @@ class Motion:
 
     def over_coordinates(self, row: Mapping[str, Any]) -> dict[str, ProgramNode]:
         """Row of factors on node angles converted to one on the FMU's coordinates, by their names."""
-        current: dict[str, Any] = self.kinematics.reduced({node: self.tape.node(a) for node, a in row.items()})
+        current: dict[str, Any] = self.kinematics.reduction.reduced(
+            {node: self.tape.node(a) for node, a in row.items()}
+        )
         for change in self.changes:
             current = substitute(current, change)
         return {name: self.tape.node(value) for name, value in current.items()}
@@ -182,7 +184,7 @@ class _Kinds:
         self.tape = tape
         self.coordinates = kinematics.coordinates
         laws = [law for _, law in kinematics.laws if law.acts]
-        rows = [kinematics.reduced({node: tape.node(a) for node, a in law.row.items()}) for law in laws]
+        rows = [kinematics.reduction.reduced({node: tape.node(a) for node, a in law.row.items()}) for law in laws]
         self.laws: list[tuple[Law, dict[str, Any]]] = list(zip(laws, rows, strict=True))
         self.changes: list[dict[str, Any]] = []
         self.relative: set[str] = set()

@@ -351,7 +351,7 @@ def functional(drivetrain: AssembledModel, sensor: Sensor, name: str = "") -> Fu
     whole = Functional(name or str(sensor), UNITS[sensor.quantity], (), sensor=sensor)
     n_coordinates = assembly.system.n_coordinates
     if read.row is not None:  # a motion: s^power times a row over coordinates, theta = T q
-        row = exact_row(assembly.kinematics.reduced(read.row))
+        row = exact_row(assembly.kinematics.reduction.reduced(read.row))
         motion = Term(assembly.columns_of(row), n_coordinates, row, factor=Fraction(1), power=read.power)
         return replace(whole, terms=(motion,))
     # A torque: laws that carry it, and through a rigid connection what the balance of torques leaves to it.

@@ -110,7 +110,7 @@ def action_laws(kinematics: Kinematics) -> tuple[ActionLaw, ...]:
     """Laws of all actions of a drivetrain whose gain and sensed motion are not zero, in the order of the elements."""
     laws = []
     for owner, action in kinematics.actions:
-        sensed = exact_row(kinematics.reduced(action.sensed))
+        sensed = exact_row(kinematics.reduction.reduced(action.sensed))
         numerator, denominator = lowest_terms(action.numerator, action.denominator)
         if numerator and sensed:
             nodes = exact_row(action.row)

@@ -272,7 +272,7 @@ class _Ratios:
         self.kinematics, self.number = kinematics_on(values, plain, definition, names), values.algebra.number
 
     def reduced(self, row: Row) -> Row:
-        return self.kinematics.reduced({node: self.number(value) for node, value in row.items()})
+        return self.kinematics.reduction.reduced({node: self.number(value) for node, value in row.items()})
 
     def conditions(self) -> tuple[Any, ...]:
         """Expressions that are zero for the parameter values but not as symbols, from constraints that dropped out."""

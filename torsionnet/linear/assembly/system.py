@@ -110,7 +110,7 @@ class Assembly:
     @cached_property
     def exact_rows(self) -> tuple[dict[str, Fraction], ...]:
         """Row of each law of ``system`` over coordinates and imposed angles, as exact rationals by name."""
-        return tuple(exact_row(self.kinematics.reduced(law.row)) for law in self.laws)
+        return tuple(exact_row(self.kinematics.reduction.reduced(law.row)) for law in self.laws)
 
 
 @gc_paused()

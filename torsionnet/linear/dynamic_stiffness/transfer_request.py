@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -177,7 +177,14 @@ def resolve_inputs(
     entries = _listed(input, "an input", (str, Sensor, Input))
     if not entries:
         raise UsageError(NO_CHANNELS_MESSAGE, kind="missing-entry")
-    resolved = [_input(drivetrain, entry) for entry in entries]
+    resolved = [
+        named_output(drivetrain, entry)
+        if not isinstance(entry, Input)
+        and entry not in drivetrain.inputs
+        and named_sensor(entry, drivetrain.sensors) is not None
+        else _named_input(drivetrain, entry, drivetrain.sensors)
+        for entry in entries
+    ]
     excitations = tuple(entry for entry in resolved if isinstance(entry, Input))
     measured = tuple(entry for entry in resolved if isinstance(entry, Functional))
     if not measured:
@@ -226,7 +233,7 @@ def _torque_on(drivetrain: AssembledModel, channel: Input) -> Input:
         raise UsageError(
             f"the angle of {where} is imposed by {driven}; name that input, or another node", kind="no-effect"
         )
-    moved = kinematics.reduced(channel.row)
+    moved = kinematics.reduction.reduced(channel.row)
     if moved.keys().isdisjoint(kinematics.coordinates):
         held = "its motion is imposed" if moved else immobility_text(channel)
         raise UsageError(f"a torque on {where} moves nothing: {held}; put it on a node that can turn", kind="no-effect")
@@ -271,7 +278,8 @@ def _chosen(drivetrain: AssembledModel, excitation: str | Input | Sequence[str |
     return tuple(_named_input(drivetrain, name) for name in _listed(excitation, "an excitation", (str, Input)))
 
 
-def _named_input(drivetrain: AssembledModel, name: Any) -> Input:
+def _named_input(drivetrain: AssembledModel, name: Any, sensors: Collection[str] = ()) -> Input:
+    """Excitation of that name, on a node, or given as an object; where ``sensors`` may stand, an error names them."""
     if isinstance(name, Input):
         return _checked_excitation(drivetrain, name)
     if name in drivetrain.inputs:
@@ -279,11 +287,11 @@ def _named_input(drivetrain: AssembledModel, name: Any) -> Input:
     torque = _torque_on_nodes(drivetrain, name)
     if torque is not None:
         return torque
-    known = [*drivetrain.inputs, *drivetrain.nodes]
-    declared = ", ".join(drivetrain.inputs) or "none"
-    raise UsageError(
-        f'no input or node is named "{name}"{did_you_mean(name, known)}; inputs: {declared}', kind="unknown-channel"
-    )
+    what, rest = "input or node", f"; inputs: {', '.join(drivetrain.inputs) or 'none'}"
+    if sensors:
+        what, rest = "input, sensor or node", ""
+    meant = did_you_mean(str(name), [*drivetrain.inputs, *sensors, *drivetrain.nodes])
+    raise UsageError(f'no {what} is named "{name}"{meant}{rest}', kind="unknown-channel")
 
 
 def _checked_excitation(drivetrain: AssembledModel, channel: Input) -> Input:
@@ -365,19 +373,3 @@ def usable_channels(drivetrain: AssembledModel) -> tuple[list[str], list[str]]:
     tables: tuple[Any, Any] = (drivetrain.inputs, drivetrain.sensors)
     inputs, sensors = ([name for name, channel in table.items() if acts(channel)] for table in tables)
     return inputs, sensors
-
-
-def _input(drivetrain: AssembledModel, entry: str | Sensor | Input) -> Input | Functional:
-    if isinstance(entry, Input):
-        return _checked_excitation(drivetrain, entry)
-    if isinstance(entry, str) and entry in drivetrain.inputs:
-        return _checked_input(drivetrain, entry)
-    if named_sensor(entry, drivetrain.sensors) is not None:
-        return named_output(drivetrain, entry)
-    torque = _torque_on_nodes(drivetrain, entry)
-    if torque is not None:
-        return torque
-    known = [*drivetrain.inputs, *drivetrain.sensors, *drivetrain.nodes]
-    raise UsageError(
-        f'no input, sensor or node is named "{entry}"{did_you_mean(str(entry), known)}', kind="unknown-channel"
-    )

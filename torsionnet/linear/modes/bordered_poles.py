@@ -80,7 +80,7 @@ class Bordered:
                         _add(powers[power][i], j, value * a * b)
         # -B: a unit of each excitation, on the left side.
         for column, excitation in enumerate(request.excitations):
-            for name, value in exact_row(assembly.kinematics.reduced(excitation.row)).items():
+            for name, value in exact_row(assembly.kinematics.reduction.reduced(excitation.row)).items():
                 if name in index:  # the rest of the torque acts on imposed angles, which stand still
                     _add(powers[0][index[name]], n + column, -value)
         # L(s) q + d u: readings by powers of s, and what excitations add to them at once.

@@ -90,7 +90,7 @@ def sticking_loops(definition: Definition, values: Mapping[str, Any], kinematics
     rows: list[Mapping[str, Any]] = []
     for element in definition.active:
         for row in _held_rows(element, value) if element.has_motion_laws else ():
-            reduced = kinematics.reduced(row)
+            reduced = kinematics.reduction.reduced(row)
             if reduced:
                 rows.append(reduced)
                 owners.append(element.name)

@@ -35,30 +35,6 @@ def _unknown_node(name: str, nodes: Collection[str], path: EntryPath, *, on_key:
     return unknown_name("node", name, nodes, path, on_key=on_key)
 
 
-def _expressions(definition: Definition) -> Iterator[tuple[EntryPath, Expression]]:
-    """Path and expression of everything that the model, its alternatives and its scenarios calculate."""
-    for name, parameter in definition.parameters.items():
-        yield ("parameters", name), parameter.value
-    for name, element in definition.elements.items():
-        for path, _, expression, _ in element.expressions():
-            yield ("elements", name, *path), expression
-    for axis, alternatives in definition.configurations.items():
-        for label, overlay in alternatives.items():
-            for name, value in overlay.parameters.items():
-                yield ("configurations", axis, label, name), value
-    for path, point in _operating_points(definition):
-        for table in ("speed", "torque"):
-            for node, value in getattr(point, table).items():
-                yield (*path, table, node), value
-    if definition.has_overrides:
-        from torsionnet.model.checks.overrides import changed_expressions
-
-        yield from changed_expressions(definition)
-    for name, scenario in definition.scenarios.items():
-        for path, _, expression, _ in scenario.expressions():
-            yield ("scenarios", name, *path), expression
-
-
 def _operating_points(definition: Definition) -> Iterator[tuple[EntryPath, OperatingPoint]]:
     """Path and operating point of the model and of each alternative that has one."""
     yield ("operating_point",), definition.operating_point
@@ -70,8 +46,26 @@ def _operating_points(definition: Definition) -> Iterator[tuple[EntryPath, Opera
 
 def undefined_or_unused_parameters(definition: Definition) -> list[Fault]:
     """Faults of expressions with a parameter nobody defines, and warnings about parameters that nothing uses."""
+    # Everything that the model, its alternatives and its scenarios calculate.
+    expressions: list[tuple[EntryPath, Expression]] = [
+        (("parameters", name), parameter.value) for name, parameter in definition.parameters.items()
+    ]
+    for table in ("elements", "scenarios"):
+        for name, one in getattr(definition, table).items():
+            expressions += [((table, name, *path), expression) for path, _, expression, _ in one.expressions()]
+    for axis, alternatives in definition.configurations.items():
+        for label, overlay in alternatives.items():
+            path: EntryPath = ("configurations", axis, label)
+            expressions += [((*path, name), value) for name, value in overlay.parameters.items()]
+    for path, point in _operating_points(definition):
+        for entry in ("speed", "torque"):
+            expressions += [((*path, entry, node), value) for node, value in getattr(point, entry).items()]
+    if definition.has_overrides:
+        from torsionnet.model.checks.overrides import changed_expressions
+
+        expressions += changed_expressions(definition)
     known, used, faults = definition.parameters, set[str](), []
-    for path, expression in _expressions(definition):
+    for path, expression in expressions:
         used |= expression.names
         faults += [unknown_name("parameter", name, known, path) for name in sorted(expression.names - known.keys())]
     for name in known:
