@@ -57,8 +57,8 @@ def test_several_measurements_of_one_engine_are_calculated_together(monkeypatch)
         for number, (output, at) in enumerate(zip(outputs, speeds, strict=True))
     ]
     problem = make_problem(engine_model(), tests, read_unknowns(["k_cpl", ENGINE]), "complex")
-    calls, at = [], ParametricResponse.at
-    monkeypatch.setattr(ParametricResponse, "at", lambda self, values: calls.append(1) or at(self, values))
+    calls, at = [], ParametricResponse.evaluation
+    monkeypatch.setattr(ParametricResponse, "evaluation", lambda self, values: calls.append(1) or at(self, values))
     values = np.array([5.5e3, 0.3])
     problem.residuals(values)
     assert len(calls) == 1
