@@ -142,7 +142,7 @@ class EventLosses:
         for number in np.unique(stretches.numbers[:, 0]).tolist():
             own = np.flatnonzero(stretches.numbers[:, 0] == number)
             few, contact = stretches.chosen(own), stretches.contacts[number]
-            Z = self._ends(contact, few) if at_end else few.whole_states(self.drive)
+            Z = self._end_states(contact, few) if at_end else few.whole_states(self.drive)
             energies[own] = energy_rows(self.states, contact).at(Z)
         return energies
 

@@ -103,7 +103,7 @@ def _all_rows(split: SplitPlant) -> Iterator[LawOverCoordinates]:
     yield from split.plant.laws
     for law in split.smooth:
         if law.held < 0:
-            yield LawRow(law.owner, law.law, law.number, law.row)
+            yield LawOverCoordinates(law.owner, law.law, law.number, law.row)
 
 
 def _balanced(

@@ -114,7 +114,7 @@ def action_laws(kinematics: Kinematics) -> tuple[ActionLaw, ...]:
         numerator, denominator = lowest_terms(action.numerator, action.denominator)
         if numerator and sensed:
             nodes = exact_row(action.row)
-            row, delay = exact_row(kinematics.reduced(action.row)), exact(action.delay)
+            row, delay = exact_row(kinematics.reduction.reduced(action.row)), exact(action.delay)
             laws.append(ActionLaw(owner, nodes, row, sensed, numerator, denominator, delay))
     return tuple(laws)
 

@@ -58,7 +58,7 @@ def reading_table(reading_problem: ReadingProblem, n_out: int, n_excitations: in
     n_measured = len(reading_problem.readings) - n_out
     if reading_problem.sensed or n_measured > 1:
         return None
-    parts = [*reading_problem.parts, *(reading_problem.terms[-1] if n_measured else ())]
+    parts = [*reading_problem.readings, *(reading_problem.terms[-1] if n_measured else ())]
     laws = tuple(dict.fromkeys(part.term.law for part in parts if part.term is not None and part.term.law is not None))
     return ReadingTable(
         np.array([_entry(part, laws) for part in parts], dtype=np.int64).reshape(-1, 3),

@@ -397,7 +397,7 @@ class _Planner:
         laws = []
         for slot in sorted(self.laws.touching.get(column, ())):
             row = self.laws.rows[slot]
-            motion = self._motion({j: a for j, a in row.items() if j != column})
+            motion = self._kept(self.motions, {j: a for j, a in row.items() if j != column})
             if motion:
                 laws.append((slot, -row[column] * motion[1], motion[0]))
         loads = [(slot, self.loads.rows[slot][column]) for slot in sorted(self.loads.touching.get(column, ()))]

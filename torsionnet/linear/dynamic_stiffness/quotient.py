@@ -238,8 +238,8 @@ def _compiled(request: TransferRequest, reading_problem: ReadingProblem, laws: L
     for (excitations, part), table in zip(parts, tables, strict=True):
         if table is None:
             return None
-        slots = kappa.law_sums(len(part.plan.sources), part.plan.law_terms)
-        block, conditioning = compiled.read(part.tape, slots, table, kappa.only(table.laws))
+        slots = laws.law_sums(len(part.plan.sources), part.plan.law_terms)
+        block, conditioning = compiled.read(part.tape, slots, table, laws.only(table.laws))
         if len(parts) == 1:
             values = block
         else:

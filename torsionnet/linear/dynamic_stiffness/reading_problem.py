@@ -127,12 +127,13 @@ def make_reading_problem(
     twists = dict(enumerate((channel for channel in excitations if channel.is_on_element), n_given))
     twisted = {law_of_imposed_twist(assembly, channel.of): column for column, channel in twists.items()}
     rows, gaps = _Rows(assembly, number, twisted), _Gaps()
-    read = [
-        gaps.part(reading) if reading.applied or len(reading.terms) != 1 else rows.part(reading.terms[0])
+    # One term of motion is read from its row, a balance of several torques as the reaction on a gap.
+    solved = [
+        gaps.term(reading) if reading.applied or len(reading.terms) != 1 else rows.term(reading.terms[0])
         for reading in readings
     ]
-    terms: list[tuple[ReadingPart, ...]] = [() for _ in outputs]
-    terms += [tuple(rows.part(term) for term in reading.terms) for reading in measured]
+    terms: list[tuple[SolvedTerm, ...]] = [() for _ in outputs]
+    terms += [tuple(rows.term(term) for term in reading.terms) for reading in measured]
     sensed = tuple(rows.number_of(assembly.columns_of(action.sensed, number)) for action in assembly.system.actions)
     columns = dict(enumerate(gaps.opened, n_given + len(twists)))
     # gamma of every law, with what opening gaps adds to it and imposed twists take from it.
@@ -155,7 +156,8 @@ def make_reading_problem(
     for place, reading in enumerate(measured, len(outputs)):
         for column, channel in enumerate(excitations):
             applied[place, column] = float(reading.direct(channel.row)) if channel.quantity == "torque" else 0.0
-    parts = (part if part.term else part._replace(solved=len(rows.rows) + part.solved) for part in read)
+    # Reactions on gaps stand behind the motions of the solution.
+    solved = [one if one.term else one._replace(solved=len(rows.rows) + one.solved) for one in solved]
     driven = tuple(reading.actions for reading in readings)
     return ReadingProblem(problem, tuple(solved), tuple(terms), applied, sensed, driven)
 
@@ -174,7 +176,7 @@ def _loadings(
 ) -> tuple[Loading, ...]:
     """Unit excitations, then a unit torque of each action, with the torques in N m that they put on gaps."""
     loadings: list[Loading] = []
-    reduced = assembly.kinematics.reduced
+    reduced = assembly.kinematics.reduction.reduced
     driving: list[Input | ActionLaw] = [*excitations, *assembly.system.actions]
     for driver in driving:
         if isinstance(driver, Input) and driver.is_on_element:

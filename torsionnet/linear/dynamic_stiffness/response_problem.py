@@ -216,7 +216,7 @@ class _Forward(_Taping):
             self._add(self.carried[slot], number, TapeQuantity(-1, factor))
         for eliminated in self._eliminated():
             for motion in eliminated.step.motions:
-                for reading, weight in self._taken(motion.slot):
+                for reading, weight in self._weights_on(motion.slot):
                     # r q = sum factor s_i (b q): the weight of the motion passes on to those it is made of ...
                     for i, factor, source in motion.parts:
                         part = writer.times(weight, eliminated.shares[i])

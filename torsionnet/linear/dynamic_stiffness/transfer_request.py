@@ -43,7 +43,7 @@ class TransferRequest:
     @property
     def sensors(self) -> tuple[Sensor, ...]:
         """Sensors of the outputs, then of the measured inputs, without readings that have no sensor."""
-        return tuple(reading.sensor for reading in (*self.outputs, *self.measured) if reading.sensor is not None)
+        return tuple(reading.sensor for reading in (*self.outputs, *self.inputs) if reading.sensor is not None)
 
     @cached_property
     def reading_problem(self) -> ReadingProblem:
@@ -124,11 +124,11 @@ def request_for_model(drivetrain: AssembledModel, request: TransferRequest) -> T
     def read(known: Functional) -> Functional:
         return known if known.sensor is None else functional(drivetrain, known.sensor, known.name)
 
-    sensors = [reading.sensor for reading in request.measured if reading.sensor is not None]
-    inputs: list[Sensor | Input] = [*sensors] if request.is_measured else [*request.excitations]
-    resolved = resolve_inputs(drivetrain, tuple(inputs), list(request.excitations) if request.is_measured else None)
-    outputs, measured = tuple(map(read, request.outputs)), tuple(map(read, request.measured))
-    return replace(resolved, outputs=outputs, measured=measured, notes=request.notes).with_reached_inputs()
+    sensors = [reading.sensor for reading in request.inputs if reading.sensor is not None]
+    asked: list[Sensor | Input] = [*sensors] if request.is_measured else [*request.excitations]
+    resolved = resolve_inputs(drivetrain, tuple(asked), list(request.excitations) if request.is_measured else None)
+    outputs, inputs = tuple(map(read, request.outputs)), tuple(map(read, request.inputs))
+    return replace(resolved, outputs=outputs, inputs=inputs, notes=request.notes).with_reached_inputs()
 
 
 def stress_section_moduli(

@@ -409,7 +409,7 @@ def _solution(poles: Sequence[Pole], rigid: FloatArray) -> EigenSolution:
     zeros = np.zeros(n_rigid)
     return EigenSolution(
         eigenvalues=np.concatenate([zeros, values]).astype(complex),
-        vectors=np.hstack([_scaled(rigid), _scaled(shapes)]).astype(complex),
+        vectors=np.hstack([_scaled_shapes(rigid), _scaled_shapes(shapes)]).astype(complex),
         kinds=(RIGID,) * n_rigid + tuple(REAL if is_real else OSCILLATORY for is_real in real),
         converged=np.ones(n_rigid + count, dtype=bool),
         iterations=np.concatenate([zeros, np.ones(count)]).astype(int),

@@ -373,7 +373,7 @@ def isolated_root(
         vector: list[Any] = [mpmath.mpmathify(shape[j].item()) for j in np.argsort(p.place)]
         for _ in range(MOST_STEPS):
             # q <- P(z)^-1 P'(z) q
-            _, followed = eliminate(p.at(z), p.slope(z, vector))
+            _, followed = eliminate(p.matrix_at(z), p.slope(z, vector))
             largest = max(followed, key=size_of, default=None)
             if not largest:
                 return None

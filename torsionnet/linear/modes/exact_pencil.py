@@ -104,7 +104,7 @@ class ExactPencil:
             for power, value in enumerate(action.denominator):
                 add(place, place, power, value)
             sensed = {index[name]: value for name, value in action.sensed.items() if name in index}
-            delayed.append(DelayedRow(place, action.numerator, sensed, action.delay))
+            delayed.append(DelayedTerms(place, action.numerator, sensed, action.delay))
         undelayed = {place: tuple(values) for place, values in entries.items()}
         return cls(len(index) + len(assembly.system.actions), undelayed, tuple(delayed))
 
@@ -416,7 +416,7 @@ def _column(assembly: Assembly, exact: ExactPencil, place: int, chain: ZeroChain
     return DeflatedColumn(place, chain, motion, undelayed, tuple(part for part in delayed if part.terms), strains)
 
 
-def _delayed(delayed: DelayedRow, chain: ZeroChain) -> DelayedSum:
+def _delayed(delayed: DelayedTerms, chain: ZeroChain) -> DelayedSum:
     factors: defaultdict[int, Fraction] = defaultdict(Fraction)
     for m, vector in enumerate(chain.motion):
         sensed = sum(value * vector[j] for j, value in delayed.sensed.items() if j in vector)

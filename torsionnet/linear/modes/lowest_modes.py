@@ -185,7 +185,7 @@ def _slowest(pencil: Pencil, rigid: FloatArray) -> float:
     square *= float(pencil.gram(pencil.stiffness).diagonal().sum() / pencil.M.diagonal().sum())
     for _ in range(_SHIFT_ROUNDS):
         problem = _Symmetric(pencil, rigid, square)
-        lowest = problem.squares(problem.run(1, tolerance=1e-3)[0])[0]
+        lowest = problem.squares(problem.eigenpairs(1, tolerance=1e-3)[0])[0]
         is_close = square / 100 <= lowest <= square * 1e4
         square = max(lowest, square * 1e-5)
         if is_close:

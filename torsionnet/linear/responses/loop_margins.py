@@ -187,9 +187,9 @@ def open_loop(drivetrain: AssembledModel, place: int, frequencies: FloatArray) -
     """
     assembly = drivetrain.assembly
     reading_problem = make_reading_problem(assembly, (), (), ())
-    kappa = law_stiffness([assembly.system], 2 * np.pi * frequencies)
-    values = respond(reading_problem.problem, kappa)
-    gains = np.array([gain.ravel() for gain in kappa.actions])
+    laws = law_stiffness([assembly.system], 2 * np.pi * frequencies)
+    values = respond(reading_problem.problem, laws)
+    gains = np.array([gain.ravel() for gain in laws.actions])
     with np.errstate(all="ignore"):
         # Torque of every action per unit torque of every other, with all loops open.
         by_torque = np.moveaxis(gains[:, None, :] * values[list(reading_problem.sensed)], 2, 0)

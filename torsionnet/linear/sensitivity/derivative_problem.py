@@ -227,7 +227,9 @@ class DerivativeProblem:
             for condition in self.multipliers
             for p in np.flatnonzero(system.condition_slopes[condition].any(axis=0))
         }
-        self.motions = [None if output.row is None else outputs.add(self._row(output.row)) for output in self.readings]
+        self.motions = [
+            None if output.row is None else outputs.add(self._row_without_own(output.row)) for output in self.readings
+        ]
         self.motion_slopes: dict[tuple[int, int], int] = {
             (number, int(p)): outputs.add(self._slope_row(output.slopes.motion[:, p]))
             for number, output in enumerate(self.readings)
@@ -241,7 +243,7 @@ class DerivativeProblem:
             *(
                 Loading(motion={len(self.columns) + output.gap: 1.0})
                 if output.row is None
-                else Loading(load=self._row(output.row))
+                else Loading(load=self._row_without_own(output.row))
                 for output in self.readings
                 if output.load >= self.n_loads
             ),

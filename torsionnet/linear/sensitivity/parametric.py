@@ -102,11 +102,11 @@ class ParametricResponse:
         laws = law_stiffness_of(whole, omega)
         solved = respond(derivatives.problem, laws)
         # The motions under the readings as loads are among those solved: dy = -z^T dK x for all parameters at once.
-        y = derivatives.values(solved, kappa.s)
-        dy = derivatives.slopes(solved, whole, kappa.by_law, kappa.s, omega)
+        y = derivatives.values(solved, laws.s)
+        dy = derivatives.slopes(solved, whole, laws.by_law, laws.s, omega)
         evaluation = self._quotient(*self._stressed(y, dy, numbers))
         if np.isfinite(numbers).all():
-            self._settle(derivatives, kappa, evaluation.values, numbers)
+            self._settle(derivatives, laws, evaluation.values, numbers)
         if not (np.isfinite(evaluation.values).all() and np.isfinite(evaluation.jacobian).all()):
             raise SolveError(f"the response is not finite at {self._given(numbers)}", kind="not-finite")
         return evaluation

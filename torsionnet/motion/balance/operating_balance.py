@@ -78,7 +78,7 @@ class OperatingBalance:
         ModelError
             The torques are not in balance, a table is left, or there are several points and nothing tells which.
         """
-        return self.states[0] if len(self.states) == 1 else self._chosen(self.states)
+        return self.states[0] if len(self.states) == 1 else self._chosen_point(self.states)
 
     @cached_property
     def states(self) -> tuple[BalancedState, ...]:
