@@ -359,7 +359,7 @@ class DeflatedColumn:
         """Entries (n,) of the column at s in rad/s, without loss factors."""
         column = np.asarray(polynomial(list(self.undelayed), s), dtype=complex)
         for delayed in self.delayed:
-            column[delayed.row] += delayed.at(s)
+            column[delayed.row] += delayed.value_at(s)
         return column
 
     def derivative(self, s: complex) -> ComplexArray:
