@@ -81,6 +81,7 @@ class _Profile:
         if not others:
             return float(np.sum(self.problem.residuals(whole) ** 2)) - self.allowed
 
+        # The least chi squared over the other parameters, found by least squares within their bounds.
         def filled(x: FloatArray) -> FloatArray:
             full = whole.copy()
             full[others] = x

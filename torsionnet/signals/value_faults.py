@@ -141,6 +141,7 @@ def frozen_stretches(values: FloatArray, sampling_rate: float, step: float = 0.0
         first, last = int(firsts[run]), int(firsts[run] + lengths[run]) - 1
         level = float(values[first])
         before, after = slice(max(0, run - RUNS_AROUND), run), slice(run + 1, run + 1 + RUNS_AROUND)
+        # A signal that moves slowly has long runs all around; a level that it returns to is where it rests.
         others = np.sort(np.concatenate([lengths[before], lengths[after]]))
         if (
             level in rest

@@ -108,6 +108,7 @@ def _merged(laws: Laws) -> Laws:
             continue
         known, before = edges.get(columns, (row, np.zeros_like(values)))
         i, j = columns
+        # t y on the row of the edge, the rest of both squares to ground.
         share = row[i] * row[j] / (known[i] * known[j])
         edges[columns] = known, before + share * values
         for c in columns:

@@ -297,6 +297,7 @@ def modes_from_run_up(
         )
     turned = mean.angle(times)
     values = signal.values[inside] - turned if signal.quantity == "angle" else signal.values[inside]
+    # First all of the record, to find the peak; then only the passage around it.
     windows = passage_windows(times, values, turned, orders, revolutions)
     # The band follows from a first reading, and is read again without what lies outside it.
     low, high = band or _band(windows)

@@ -132,6 +132,7 @@ class CondensedPlant:
         """Dynamic stiffness D_0 (n, n_q, n_q) in N m/rad at the Laplace variable s (n,) in rad/s."""
         system = self.placed.linear
         rows, omega = system.rows, s.imag
+        # D = sum kappa b b^T with kappa = J s^2 + c s + k; actions drive, and so are taken off.
         kappa = system.inertia * s[:, None] ** 2 + system.damping * s[:, None] + system.stiffness
         kappa = kappa.astype(complex)
         for number, law in self.assembly.system.dynamic:
@@ -203,6 +204,7 @@ class CondensedPlant:
         """
         free = self.free
         torques = self.columns @ means
+        # Power of the torques on each free motion; nothing may be left of it.
         over = free.T @ torques
         if not self.turning.any() and (np.abs(over) > BALANCED * (np.abs(free.T) @ np.abs(torques))).any():
             worst = int(np.abs(over).argmax())

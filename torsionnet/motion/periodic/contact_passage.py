@@ -182,6 +182,7 @@ class ContactMarch:
             form = states.form(contact)
             length, guard = self._next_event(z, contact, self.period - time)
             stretches.append(PeriodStretch(time, length, contact, z))
+            # Within one contact state z' = A z, and a small disturbance moves alike.
             passed = np.asarray(scipy.linalg.expm(form.A * length))
             z, change, time = passed @ z, passed @ change, time + length
             if guard < 0:
@@ -195,6 +196,7 @@ class ContactMarch:
             rows = guard_rows(form, states.laws, contact, at, states.drive.scale_of)[guard]
             entered = states.form(following)
             speed = float(rows @ form.A @ z)
+            # Saltation S = R + (f+ - R f-) n^T / (n^T f-): a disturbance moves the event, between unlike rates f.
             jump = entered.A @ (entered.refresh @ z) - entered.refresh @ (form.A @ z)
             saltation = entered.refresh + np.outer(jump, rows) / speed if speed else entered.refresh
             z, change, contact = entered.refresh @ z, saltation @ change, following
@@ -228,6 +230,7 @@ class ContactMarch:
             values = ahead @ z
             rates = ahead @ (A @ z)
             sizes = np.abs(guards) @ np.abs(z)
+            # Looks at which a guard has fallen below zero are narrowed down; the first event within one counts.
             for number in range(BLOCK):
                 if passed + number * self.look >= left:
                     return left, -1

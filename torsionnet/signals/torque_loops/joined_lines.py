@@ -133,6 +133,7 @@ def fitted(start: JoinedLines, samples: LoopSamples) -> tuple[JoinedLines, float
         pieces = len(lines.slopes)
         torque = max(float(np.ptp(samples.torque)), samples.torque_noise)
         scale = np.repeat([torque, torque / span, span, torque], [1, pieces, pieces - 1, pieces])
+        # Slopes of the distances by differences, and the Gauss-Newton step -(J J^T)^-1 J d, scaled by sizes.
         columns = [
             (lines.with_numbers(row + 1e-6 * size * unit).distances(samples) - rest) / 1e-6
             for size, unit in zip(scale, np.eye(len(row)), strict=True)

@@ -114,6 +114,7 @@ def common_lines(record: LoopRecord, cycles: Sequence[Cycle]) -> tuple[JoinedLin
     pooled = pooled_branches(record, cycles)
     lines, bends = joined_lines(pooled, len(cycles))
     while len(lines.breaks):
+        # The break that single cycles repeat least, by size and by Student's test, goes, until all are repeated.
         each = [fitted(lines, one)[0] for one in parts]
         changes = np.array([np.diff(one.slopes) for one in each])
         weak = np.abs(changes.mean(axis=0)) / np.maximum(np.abs(lines.slopes[:-1]), np.abs(lines.slopes[1:]))
