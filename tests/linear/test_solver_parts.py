@@ -8,7 +8,7 @@ from torsionnet.base.errors import UsageError
 from torsionnet.linear.dynamic_stiffness.triangular import blocks
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.linear.modes.modes import Modes
-from torsionnet.linear.responses.grid import Adaptive, inner_maxima, peaks, rounded, static_value, vibration_range
+from torsionnet.linear.responses.grid import Adaptive, inner_maxima, peaks, round_number, static_value, vibration_range
 
 TURN = 2 * np.pi
 
@@ -120,8 +120,8 @@ class TestRange:
         ],
     )
     def test_round_numbers(self, value, down, up):
-        assert rounded(value, up=False) == pytest.approx(down, rel=1e-12)
-        assert rounded(value, up=True) == pytest.approx(up, rel=1e-12)
+        assert round_number(value, up=False) == pytest.approx(down, rel=1e-12)
+        assert round_number(value, up=True) == pytest.approx(up, rel=1e-12)
 
     def test_of_modes(self):
         """A tenth of the lowest, twice the highest of what vibrates: 0.42 and 320 here."""

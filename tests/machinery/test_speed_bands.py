@@ -12,7 +12,7 @@ from support.limit_cases import RPM, hump, m68, stressed
 import torsionnet as tn
 from torsionnet.machinery import LimitConclusion
 from torsionnet.machinery.verdicts.limit_check import LimitCheck
-from torsionnet.machinery.verdicts.limit_verdict import settled
+from torsionnet.machinery.verdicts.limit_verdict import without_contradictions
 from torsionnet.machinery.verdicts.operating_instructions import (
     instruction_table,
     operating_instructions,
@@ -175,7 +175,7 @@ class TestSettled:
         line = {name: replace(one, limit="line") for name, one in stressed(other, m68(), misfire=misfire).items()}
         found = stressed(stress, m68(), misfire=misfire)
         verdicts = (*found.values(), *line.values())
-        return settled(verdicts, found["tau_C"].speeds)
+        return without_contradictions(verdicts, found["tau_C"].speeds)
 
     def test_a_range_that_another_shaft_must_not_pass_is_not_barred(self):
         found = self.both(hump(90, 50), hump(120, 52))
@@ -200,7 +200,7 @@ class TestSettled:
         from dataclasses import replace
 
         above = replace(other, limit="line", barred=(SpeedSpan(95 * RPM, 96 * RPM),))
-        (*_, last) = settled((found["tau_C"], above), found["tau_C"].speeds)
+        (*_, last) = without_contradictions((found["tau_C"], above), found["tau_C"].speeds)
         assert (last.verdict, last.highest / RPM) == ("reduced speed", pytest.approx(95))
 
 

@@ -21,7 +21,7 @@ from torsionnet.modal.mode_identification import fit_poles
 from torsionnet.modal.refinement import factors_of, roots_of
 from torsionnet.modal.residues import Projection
 from torsionnet.modal.selection import clusters, significant_poles
-from torsionnet.modal.spectral_lines import Criteria, lines_of, power
+from torsionnet.modal.spectral_lines import Criteria, lines_of, power_over_receptance
 from torsionnet.modal.stabilisation_chart import Order, Stabilisation, _same
 
 LINES = np.arange(0.5, 30.01, 0.1)
@@ -278,11 +278,11 @@ class TestRigs:
 
     def test_powers_of_s(self):
         theta, omega, alpha, torque = (Channel("x", unit) for unit in ("rad", "rad/s", "rad/s^2", "N*m"))
-        assert [power(channel, torque) for channel in (theta, omega, alpha, torque)] == [0, 1, 2, 0]
-        assert [power(channel, theta) for channel in (theta, omega, alpha, torque)] == [0, 1, 2, 2]
-        assert [power(channel, alpha) for channel in (theta, omega, alpha, torque)] == [-2, -1, 0, 0]
+        assert [power_over_receptance(channel, torque) for channel in (theta, omega, alpha, torque)] == [0, 1, 2, 0]
+        assert [power_over_receptance(channel, theta) for channel in (theta, omega, alpha, torque)] == [0, 1, 2, 2]
+        assert [power_over_receptance(channel, alpha) for channel in (theta, omega, alpha, torque)] == [-2, -1, 0, 0]
         with pytest.raises(UsageError, match="volt"):
-            power(Channel("u", "volt"), torque)
+            power_over_receptance(Channel("u", "volt"), torque)
 
 
 class TestLscf:

@@ -5,7 +5,7 @@ import pytest
 import torsionnet as tn
 from torsionnet import plot
 from torsionnet.plot.drawing.pieces import Piece
-from torsionnet.plot.schematics.arrangement import arranged, page_width
+from torsionnet.plot.schematics.arrangement import arranged_drawing, page_width
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Paragraph
 from torsionnet.report.sections.elements import LEGEND
@@ -51,7 +51,7 @@ def test_names_of_ports_stand_ten_points_below_the_shaft():
     """That is through the middle of the box, which is 70 points high, unlike all else in the drawing."""
     elements = [tn.Inertia(f"j_{node}", node=node, inertia=1) for node in "src"]
     rig = tn.Drivetrain("p", [*elements, tn.Planetary("set", sun="s", ring="r", carrier="c", ratio=3)])
-    drawing = arranged(rig, page_width(170))
+    drawing = arranged_drawing(rig, page_width(170))
     (shaft,) = {(low + high) / 2 for _, _, low, high in drawing.boxes if high - low == pytest.approx(70)}
     for label in drawing.labels:
         if label.text in ("sun", "ring"):
@@ -66,7 +66,7 @@ def test_the_line_of_a_sensor_keeps_four_points_free_on_either_side():
     elements = [tn.Inertia("j", node="a", inertia=1), tn.Damper("d", nodes=("a", "ground"), damping=1)]
     elements += [tn.Spring(f"k_{node}", nodes=("a", node), stiffness=1) for node in "bc"]
     rig = tn.Drivetrain("p", elements, sensors={"T": {"torque": "d", "at": "a"}})
-    boxes = arranged(rig, page_width(170)).boxes
+    boxes = arranged_drawing(rig, page_width(170)).boxes
     ((x0, x1, low, _),) = (box for box in boxes if box[1] - box[0] == pytest.approx(16))
     assert [box[:2] for box in boxes if box[3] == low] == [pytest.approx((x0 + 4, x1 - 4))]
 

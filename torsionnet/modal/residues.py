@@ -40,12 +40,12 @@ class Expansion:
 
     def term(self, mode: int, s: ComplexArray) -> ComplexArray:
         """Contribution of one mode to the transfer functions, in the form of receptances, (n_f, n_out, n_in)."""
-        first, second = terms(self.poles[mode], s)
+        first, second = residue_factors(self.poles[mode], s)
         residue = self.residues[mode]
         return np.asarray(first[:, None, None] * residue.real + second[:, None, None] * residue.imag)
 
 
-def terms(pole: complex, s: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+def residue_factors(pole: complex, s: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
     """Factors at s (n_f,) of the real and of the imaginary part of a pole's residue, the latter 0 for a real pole."""
     own = 1 / (s - pole)
     if pole.imag == 0:
@@ -118,7 +118,7 @@ def _columns(
 ) -> ComplexArray:
     """Columns (n_f, n) of the fit of one transfer function, real and imaginary parts of shapes, then residual terms."""
     s = lines.s
-    pairs = [terms(pole, s) for pole in poles]
+    pairs = [residue_factors(pole, s) for pole in poles]
     # (x + j y)(u + j v) of shape and participation: x comes with u a + v b, y with u b - v a.
     real = [row.real * a + row.imag * b for row, (a, b) in zip(rows, pairs, strict=True)]
     imaginary = [row.real * b - row.imag * a for row, (a, b) in zip(rows, pairs, strict=True)]

@@ -170,7 +170,7 @@ class Lines:
         return np.asarray(1 / np.where(size > 0, size, 1.0))
 
 
-def power(output: Channel, input: Channel) -> int:
+def power_over_receptance(output: Channel, input: Channel) -> int:
     """Power of s by which a transfer function between these two channels differs from a receptance.
 
     Angles over torques, angles over angles and torque ratios have that form themselves; velocities and accelerations
@@ -192,7 +192,7 @@ def power(output: Channel, input: Channel) -> int:
 
 def powers_of(outputs: Sequence[Channel], inputs: Sequence[Channel]) -> NDArray[np.int_]:
     """Power of s by which each transfer function differs from a receptance, (n_out, n_in); see :func:`power`."""
-    return np.array([[power(output, into) for into in inputs] for output in outputs], dtype=int)
+    return np.array([[power_over_receptance(output, into) for into in inputs] for output in outputs], dtype=int)
 
 
 def lines_of(response: FrequencyResponse, settings: Settings) -> Lines:

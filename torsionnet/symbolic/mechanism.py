@@ -69,11 +69,13 @@ def _solve_block(block: GraphBlock[Quotient], hanging: Mapping[str, Quotient], p
 def recursion_from(root: str, network: Network[Stiffness], program: Program) -> Recursion:
     """Determinants of a network's parts as seen from a root coordinate, recorded once per program."""
     return program.memo.once(
-        Recursion, (network, root), lambda: Recursion(quotients(network, program), program, root, _solve_block)
+        Recursion,
+        (network, root),
+        lambda: Recursion(network_in_quotients(network, program), program, root, _solve_block),
     )
 
 
-def quotients(network: Network[Stiffness], program: Program) -> Network[Quotient]:
+def network_in_quotients(network: Network[Stiffness], program: Program) -> Network[Quotient]:
     """Network with parallel laws added up, the dynamic stiffness of each law a quotient of program nodes."""
 
     def added() -> Network[Quotient]:

@@ -23,7 +23,7 @@ from torsionnet.linear.batch.variant_numbers import (
     Decisions,
     PlannedElement,
     VariantNumber,
-    passes,
+    passes_over_variants,
     planned_elements,
     variant_column,
 )
@@ -189,7 +189,7 @@ class BatchPlan:
             raise UsageError("give the same number of values for every parameter", kind="wrong-count")
         filling = BatchBuilder(self.drivetrain, columns)
         with np.errstate(all="ignore"):
-            for places, decisions in passes(filling.count):
+            for places, decisions in passes_over_variants(filling.count):
                 self._pass(filling, places, decisions)
         filling.settle()
         return filling.batch()

@@ -25,7 +25,7 @@ from torsionnet.linear.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.linear.dynamic_stiffness.reduction import (
     AnyArray,
     complement_within,
-    echelon,
+    echelon_basis,
     require_resistance,
     stiff_laws,
 )
@@ -92,7 +92,7 @@ class SharedDirections:
             heavy=np.flatnonzero(heavy),
             stiff=np.flatnonzero(stiff),
             dissipating=np.flatnonzero(damped),
-            rigid=echelon(unresisted_motions(system, stiff).basis()),
+            rigid=echelon_basis(unresisted_motions(system, stiff).basis()),
             undamped_rigid=unresisted_motions(system, stiff | damped).basis(),
             damped=complement_within(held, massless),
             held=held,

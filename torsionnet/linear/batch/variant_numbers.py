@@ -150,7 +150,7 @@ def variant_column(number: Any, count: int) -> FloatArray:
     return number.values if isinstance(number, VariantNumber) else np.full(count, float(number))
 
 
-def passes(count: int) -> Iterator[tuple[NDArray[np.intp], Decisions]]:
+def passes_over_variants(count: int) -> Iterator[tuple[NDArray[np.intp], Decisions]]:
     """Yield indices of variants and a record of their decisions, until each variant has followed a first one.
 
     Variants of a combination of decisions beyond :data:`MOST_PASSES` come in no pass.

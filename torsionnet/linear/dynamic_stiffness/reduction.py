@@ -76,7 +76,7 @@ class FirstOrder:
     size: float  # norm of the matrix and of the terms that cancelled on the way to it
 
 
-def echelon(basis: FloatArray) -> FloatArray:
+def echelon_basis(basis: FloatArray) -> FloatArray:
     """Basis (n_q, n) in echelon form, where each column has a coordinate of its own.
 
     Separate trains get separate rigid modes.
@@ -191,7 +191,7 @@ def subspaces(system: RowSystem, stiff: NDArray[np.bool_], damped: NDArray[np.bo
     heavy = system.inertia > 0
     require_resistance(system, heavy | stiff | damped)
     massless, held = (unresisted_motions(system, laws).basis() for laws in (heavy, heavy | damped))
-    rigid = echelon(unresisted_motions(system, stiff).basis())
+    rigid = echelon_basis(unresisted_motions(system, stiff).basis())
     undamped_rigid = unresisted_motions(system, stiff | damped).basis()
     scaled = np.sqrt(system.inertia[heavy])[:, None] * system.rows[heavy]
     moving = _mass_basis(scaled, system.n_coordinates - massless.shape[1])

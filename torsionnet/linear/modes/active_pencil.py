@@ -147,7 +147,7 @@ class ActivePencil:
     @cached_property
     def columns(self) -> tuple[DeflatedColumn, ...]:
         """Columns of the characteristic equation's matrix with roots at zero taken out, as functions of s."""
-        _, right = equilibrated(self._term_sizes(complex(self._typical)))
+        _, right = equilibrating_factors(self._term_sizes(complex(self._typical)))
         return deflated_columns(self.assembly, self.exact, 1 / right)
 
     @property
@@ -182,7 +182,7 @@ class ActivePencil:
         for power, term in enumerate(terms):
             for i, row in enumerate(deflated_coefficient(self.exact, chains, power)):
                 term[i, list(row)] = [float(value) for value in row.values()]
-        left, right = equilibrated(np.abs(terms[0]) + np.abs(terms[1]) + np.abs(terms[2]))
+        left, right = equilibrating_factors(np.abs(terms[0]) + np.abs(terms[1]) + np.abs(terms[2]))
         A, B, C = left[:, None] * terms * right
         try:
             follow = -np.linalg.solve(A, np.hstack([B, C]))
@@ -198,7 +198,7 @@ class ActivePencil:
     def null_vector(self, s: complex) -> ComplexArray:
         """Coordinates and torques (size,) of the mode shape at a pole, from the matrix at an s next to the pole."""
         P = self.matrix_at(s)
-        left, right = equilibrated(np.abs(P))
+        left, right = equilibrating_factors(np.abs(P))
         # Of any vector P(s)^-1 leaves the null vector next to a pole.
         start = np.cos(np.arange(self.size) + 1.0)
         try:
@@ -282,7 +282,7 @@ class ActivePencil:
             P, rate = self.matrix_at(s), self.derivative(s)
             if not (np.isfinite(P).all() and np.isfinite(rate).all() and np.isfinite(s)) or s == 0:
                 return None
-            left, right = equilibrated(np.abs(P) + abs(s) * np.abs(rate))
+            left, right = equilibrating_factors(np.abs(P) + abs(s) * np.abs(rate))
             scaled, slope = left[:, None] * P * right, left[:, None] * rate * right
             v = w / right
             v = v / np.linalg.norm(v)
@@ -309,7 +309,7 @@ class ActivePencil:
         """Relative error of a pole, as rounding of all terms of its equation times the condition of the pole."""
         for beside in (s, s * (1 + 8 * EPS)):
             P, rate = self.matrix_at(beside), self.derivative(beside)
-            left, right = equilibrated(np.abs(P) + abs(s) * np.abs(rate))
+            left, right = equilibrating_factors(np.abs(P) + abs(s) * np.abs(rate))
             try:  # next to a root, one step of inverse iteration leaves the left vector alone
                 v = w / right / np.linalg.norm(w / right)
                 y = left * np.linalg.solve((left[:, None] * P * right).conj().T, v)
@@ -365,7 +365,7 @@ def _derivative(coefficients: list[float]) -> list[float]:
     return [power * value for power, value in enumerate(coefficients)][1:]
 
 
-def equilibrated(sizes: FloatArray) -> tuple[FloatArray, FloatArray]:
+def equilibrating_factors(sizes: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Factors (n,) of rows and of columns, powers of two, that bring the largest entry of each to about one."""
     left, right = np.ones(len(sizes)), np.ones(len(sizes))
     # Entries of zero must not call for infinite factors.

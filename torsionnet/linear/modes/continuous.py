@@ -22,7 +22,12 @@ from numpy.typing import NDArray
 
 from torsionnet.base.errors import SolveError
 from torsionnet.linear.assembly.rows import FloatArray, RowSystem
-from torsionnet.linear.dynamic_stiffness.reduction import echelon, resisted_coordinates, restrict_to, without_empty_laws
+from torsionnet.linear.dynamic_stiffness.reduction import (
+    echelon_basis,
+    resisted_coordinates,
+    restrict_to,
+    without_empty_laws,
+)
 from torsionnet.linear.dynamic_stiffness.row_algebra import unresisted_motions
 
 # Number of natural frequencies below a frequency, by the algorithm of Wittrick and Williams.
@@ -163,7 +168,7 @@ def elastic(system: RowSystem) -> Mask:
 
 def rigid_motions(system: RowSystem) -> FloatArray:
     """Shapes (n_q, n_rigid) of motions that no spring resists."""
-    return echelon(unresisted_motions(system, elastic(system)).basis())
+    return echelon_basis(unresisted_motions(system, elastic(system)).basis())
 
 
 def number_below(system: RowSystem, omega: float) -> int:

@@ -20,7 +20,7 @@ from torsionnet.base.errors import SolveError
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.linear.dynamic_stiffness.reduction import (
     AnyArray,
-    echelon,
+    echelon_basis,
     require_resistance,
     resisted_coordinates,
     restrict_to,
@@ -69,7 +69,7 @@ class RigidMotions:
         require_resistance(system, heavy | stiff | damped)
         rigid, undamped = (unresisted_motions(system, laws).first(count) for laws in (stiff, stiff | damped))
         massless = unresisted_motions(system, heavy).dimension
-        return cls(echelon(rigid.basis()), undamped.basis(), system.n_coordinates - massless)
+        return cls(echelon_basis(rigid.basis()), undamped.basis(), system.n_coordinates - massless)
 
 
 def lowest_vibrations(system: RowSystem, motions: RigidMotions, count: int, *, undamped: bool) -> Eigenpairs | None:

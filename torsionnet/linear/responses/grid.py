@@ -110,10 +110,10 @@ def opening_range(*modes: Modes) -> tuple[float, float]:
     if not any(vibrations):
         return RANGE_WITHOUT_MODES
     low, high = min(few[0] for few in vibrations if few), max(few[-1] for few in vibrations if few)
-    return rounded(low / MARGIN_BELOW, up=False), rounded(high * MARGIN_ABOVE, up=True)
+    return round_number(low / MARGIN_BELOW, up=False), round_number(high * MARGIN_ABOVE, up=True)
 
 
-def rounded(value: float, *, up: bool) -> float:
+def round_number(value: float, *, up: bool) -> float:
     """Next round number of the series 1, 2, 5 times a power of ten, up or down from a value.
 
     >>> rounded(0.71, up=False), rounded(162, up=True)

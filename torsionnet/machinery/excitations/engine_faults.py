@@ -14,7 +14,7 @@ from torsionnet.machinery.excitations.engine_entries import EACH, EngineEntries,
 from torsionnet.machinery.excitations.gas_torque import GasPressure
 from torsionnet.machinery.excitations.order_excitation import FloatArray
 from torsionnet.machinery.excitations.pressure_trace import PressureTrace
-from torsionnet.machinery.excitations.table_by_pressure import beyond
+from torsionnet.machinery.excitations.table_by_pressure import far_beyond
 
 # Faults of impossible or unusual engine sizes, with the unit that was probably meant.
 
@@ -356,7 +356,7 @@ def _held(gas: GasPressure, pressures: FloatArray | None) -> Iterator[Fault]:
     known = sorted(pressure for pressure in (gas.traces or gas.harmonics or {}) if pressure is not None)
     if pressures is None or not known:
         return
-    asked = pressures[beyond(known, pressures)]
+    asked = pressures[far_beyond(known, pressures)]
     if len(asked):
         furthest, end = (asked.max(), known[-1]) if asked.max() > known[-1] else (asked.min(), known[0])
         text = f"the load asks for a mean indicated pressure of {furthest / 1e5:.4g} bar, gas is known to "

@@ -104,7 +104,7 @@ def interpolated(
         A pressure outside of the table.
     """
     low, high = known[0], known[-1]
-    outside = beyond(known, wanted, HELD_RTOL)
+    outside = far_beyond(known, wanted, HELD_RTOL)
     if outside.any():
         at = int(np.argmax(np.where(outside, np.maximum(low - wanted, wanted - high), -np.inf)))
         text = f"a mean indicated pressure of {wanted[at] / 1e5:.4g} bar is asked for"
@@ -122,7 +122,7 @@ def interpolated(
     return np.asarray(values[places - 1] * (1 - share) + values[places] * share)
 
 
-def beyond(known: Sequence[float], wanted: FloatArray, share: float = PRESSURE_RTOL) -> NDArray[np.bool_]:
+def far_beyond(known: Sequence[float], wanted: FloatArray, share: float = PRESSURE_RTOL) -> NDArray[np.bool_]:
     """Flags (n_wanted,) of the pressures in Pa that lie further beyond the ends of a table than a share of the end.
 
     Examples

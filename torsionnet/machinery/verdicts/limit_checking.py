@@ -41,7 +41,7 @@ from torsionnet.machinery.verdicts.limit_verdict import (
     LimitVerdict,
     highest_permitted,
     listed_names,
-    settled,
+    without_contradictions,
 )
 from torsionnet.machinery.verdicts.run_up_check import PassedLimit, RunUpCheck
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, spans_above

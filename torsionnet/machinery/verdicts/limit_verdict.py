@@ -326,7 +326,7 @@ def highest_permitted(verdicts: Sequence[LimitVerdict], speeds: FloatArray) -> f
     return min((barred.low for barred in ranges if any(barred.holds(span.low) for span in refused)), default=None)
 
 
-def settled(verdicts: Sequence[LimitVerdict], speeds: FloatArray) -> tuple[LimitVerdict, ...]:
+def without_contradictions(verdicts: Sequence[LimitVerdict], speeds: FloatArray) -> tuple[LimitVerdict, ...]:
     """Verdicts of one condition of which none contradicts another one.
 
     A range barred by one limit is not passed where another one refuses that range or one below it; and no limit is

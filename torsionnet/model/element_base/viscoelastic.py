@@ -287,7 +287,7 @@ def given_curves(coupling: Any) -> list[tuple[str, str]]:
     return [(name, operating) for name, operating in _READ_AT.items() if getattr(coupling, name)]
 
 
-def contradictions(coupling: Any) -> list[Fault]:
+def coupling_faults(coupling: Any) -> list[Fault]:
     """Faults of a coupling in the source of its stiffness, or, where that is clear, in its other entries."""
     faults = _source_faults(coupling)
     if faults or coupling.material is not None:

@@ -24,7 +24,7 @@ from torsionnet.model.element_base.viscoelastic import (
     RUBBER_SHAPES,
     ShearedShape,
     Viscoelastic,
-    contradictions,
+    coupling_faults,
     given_curves,
 )
 from torsionnet.model.elements.springs import INNER_DIAMETER, NODE_PAIR_DESCRIPTION, OUTER_DIAMETER
@@ -125,7 +125,7 @@ class FlexibleCoupling(Element):
     second_inertia: Expression = entry(PhysicalQuantity("inertia that turns with the second node", "inertia", "J_2"), 0)
 
     def contradictions(self) -> list[Fault]:
-        return contradictions(self)
+        return coupling_faults(self)
 
     def expressions(self) -> Iterator[tuple[EntryPath, Spec[object], Expression, str]]:
         """Path, specification, expression and dimension of every expression in the coupling's entries.

@@ -32,7 +32,7 @@ class Copy:
     values: Mapping[str, Expression]
 
 
-def copies(name: str, use: Use) -> tuple[Copy, ...]:
+def copies_of_part(name: str, use: Use) -> tuple[Copy, ...]:
     """Copies of the part that a use without faults puts into a model."""
     prefixes = use.prefixes(name)
     return tuple(
@@ -89,7 +89,7 @@ def _ports_of(use: Use) -> EntryPath:
     return ("parts", use.part, "ports")
 
 
-def listing(what: str, names: Collection[str]) -> str:
+def shortened_listing(what: str, names: Collection[str]) -> str:
     """Text that lists names of one kind, shortened to the first of them where there are many.
 
     ``the nodes are a, b``.
@@ -103,12 +103,12 @@ def _unknown(use: Use, ports: Collection[str], parameters: Collection[str]) -> I
     named += [(port, ("chain", index)) for index, port in enumerate(use.chain or ())]
     for port, path in named:
         if port not in ports:
-            rest = listing("ports", ports)
+            rest = shortened_listing("ports", ports)
             fault = unknown_name(f"port of {use.part}", port, ports, path, on_key=path[0] == "at", rest=rest)
             yield replace(fault, defined=_ports_of(use))
     for key in use.parameters:
         if key not in parameters:
-            path, rest = ("parameters", key), listing("parameters", parameters)
+            path, rest = ("parameters", key), shortened_listing("parameters", parameters)
             yield unknown_name(f"parameter of {use.part}", key, parameters, path, on_key=True, rest=rest)
 
 
@@ -246,7 +246,7 @@ class _Flattening:
                 # Something is missing in it, and perhaps its ports with that.
                 nodes = (*nodes, *part.ports)
                 self.without_ports.add(name)
-            rest = listing(f"nodes of {name}", nodes)
+            rest = shortened_listing(f"nodes of {name}", nodes)
             shafts = {*_quoting_shafts(self.done[name])}
             wrong = [
                 unknown_name("node", port, nodes, ("parts", name, "ports", index), rest=rest)
@@ -270,7 +270,7 @@ class _Flattening:
             text = f"this makes {count} entries (elements, parameters, sensors, ...); a model may have {MOST_ENTRIES}"
             self.tell(Fault(text, place, on_key=True, kind="too-large"))
             return
-        for copy in copies(name, use):
+        for copy in copies_of_part(name, use):
             if copy.name in whole.elements:
                 text = f'"{copy.name}" is an element; what is used needs another name'
                 self.tell(Fault(text, place, on_key=True, about=copy.name, kind="repeated-name"))

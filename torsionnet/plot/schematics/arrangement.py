@@ -247,7 +247,7 @@ NARROWEST_PAGE = 100.0
 """Least width of a page in mm; on a narrower one single symbols with their texts would not fit."""
 
 
-def titled(whole: Piece, title: str, page: float) -> Box:
+def edges_under_title(whole: Piece, title: str, page: float) -> Box:
     """Edges x0, x1, y0, y1 in points of a drawing under a title, which is written above it and broken to the page."""
     x0, x1, y0, y1 = whole.extent
     for line in reversed(wrap_text(title, "title", page)):
@@ -273,7 +273,7 @@ def page_width(width: float) -> float:
     return width / MILLIMETRES_PER_INCH * POINTS_PER_INCH * smallest / LEGIBLE - 2 * EDGE
 
 
-def arranged(drivetrain: Drivetrain, page: float) -> Piece:
+def arranged_drawing(drivetrain: Drivetrain, page: float) -> Piece:
     """Drawing of all connected parts of a drivetrain for a page width in points, with the wires that close loops."""
     parts = []
     for bands in layout_bands(drivetrain, page):

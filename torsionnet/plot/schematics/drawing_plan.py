@@ -13,7 +13,7 @@ from torsionnet.model.channels import Input
 from torsionnet.model.definition import all_nodes
 from torsionnet.model.element_base.laws import Part as LawOrConstraint
 from torsionnet.model.elements import GROUND, Element, Law, Values
-from torsionnet.model.parts.flattening import copies
+from torsionnet.model.parts.flattening import copies_of_part
 from torsionnet.plot.drawing.labels import value_lines
 from torsionnet.plot.drawing.pieces import Box, Piece, Texts
 from torsionnet.plot.schematics.glyphs import inline_glyph
@@ -69,7 +69,7 @@ def with_part_boxes(drivetrain: Drivetrain) -> Drivetrain:
         return drivetrain
     elements = dict(definition.elements)
     for use_name, use in definition.authored.authored.use.items():
-        for copy in copies(use_name, use):
+        for copy in copies_of_part(use_name, use):
             prefix = f"{copy.name}."
             inside = [element for name, element in definition.elements.items() if name.startswith(prefix)]
             outer = {*copy.nodes.values(), GROUND}

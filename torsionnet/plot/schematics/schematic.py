@@ -18,10 +18,10 @@ from torsionnet.plot.drawing.style import bare_figure, grid_panels
 from torsionnet.plot.schematics.arrangement import (
     MILLIMETRES_PER_INCH,
     PAPER_WIDTH,
-    arranged,
+    arranged_drawing,
+    edges_under_title,
     framed,
     page_width,
-    titled,
 )
 from torsionnet.plot.schematics.drawing_plan import with_part_boxes
 from torsionnet.plot.schematics.outlines import DASHES, PENS, POINTS_PER_INCH, is_behind
@@ -237,13 +237,13 @@ def schematic(
     ['$k_{\\mathrm{1}}$ = 460 N·m/rad']
     """
     page = page_width(width)
-    whole = arranged(with_part_boxes(drivetrain) if boxes else drivetrain, page)
+    whole = arranged_drawing(with_part_boxes(drivetrain) if boxes else drivetrain, page)
     title = drivetrain.title if title is None else title
     if ax is not None:
         sheet, ((axes,),) = grid_panels(page, page, [""], ax)
         draw_into(axes, whole, framed(whole.extent))
         return sheet.titled(title)
-    return figure_of_drawing(whole, framed(titled(whole, title, page)))
+    return figure_of_drawing(whole, framed(edges_under_title(whole, title, page)))
 
 
 def schematic_parts(drivetrain: Drivetrain, tallest: float) -> tuple[Figure, ...]:
@@ -261,7 +261,7 @@ def schematic_parts(drivetrain: Drivetrain, tallest: float) -> tuple[Figure, ...
     >>> len(schematic_parts(tn.load("wind_turbine_3mw").configured("free"), 235))
     2
     """
-    whole = arranged(drivetrain, page_width(PAPER_WIDTH))
+    whole = arranged_drawing(drivetrain, page_width(PAPER_WIDTH))
     x0, x1, y0, y1 = framed(whole.extent)
     printed = min(1.0, PAPER_WIDTH / MILLIMETRES_PER_INCH * POINTS_PER_INCH / (x1 - x0))
     most = tallest / MILLIMETRES_PER_INCH * POINTS_PER_INCH / printed

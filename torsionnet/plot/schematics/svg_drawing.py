@@ -24,7 +24,7 @@ from torsionnet.plot.drawing.pieces import (
     plain_symbols,
     symbol_runs,
 )
-from torsionnet.plot.schematics.arrangement import PAPER_WIDTH, arranged, framed, page_width
+from torsionnet.plot.schematics.arrangement import PAPER_WIDTH, arranged_drawing, framed, page_width
 from torsionnet.plot.schematics.outlines import BODY, BOX, DASHES, PENS, WHEEL, is_behind
 from torsionnet.plot.schematics.topology import epicyclic_sets
 
@@ -292,7 +292,7 @@ def schematic_svg(model: Drivetrain, *, width: float = PAPER_WIDTH) -> Schematic
     >>> drawing.nodes["hub"], 'data-node="hub"' in drawing.svg
     ('node-hub', True)
     """
-    whole = arranged(model, page_width(width))
+    whole = arranged_drawing(model, page_width(width))
     x0, x1, y0, y1 = framed(whole.extent)
     groups = drawn_groups(model, whole)
     body = [_loose(whole), *(_group_text(group, groups) for group in groups.values() if not group.within)]

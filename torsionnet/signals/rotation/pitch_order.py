@@ -283,7 +283,7 @@ class PitchOrder:
     why: Annotated[str, Out(json="why_not_resolved")] = ""
 
 
-def repeating(once: FloatArray, seen: float) -> FloatArray:
+def repeating_error(once: FloatArray, seen: float) -> FloatArray:
     """Standard deviation of errors that all windows have in common, from the variance that one period leaves.
 
     ``seen`` is the variance of one period that the scatter between windows shows; above the share that random errors
@@ -410,7 +410,7 @@ class PitchEvidence:
         inside = [values[self.groups == group] for group in range(self.groups.max() + 1)]
         spread = sum(float((np.abs(at_speed - at_speed.mean()) ** 2).sum()) for at_speed in inside)
         seen = self.periods * spread / 2 / max(len(values) - len(inside), 1)
-        return constant_part(values, columns, self.groups, repeating(once**2, seen))
+        return constant_part(values, columns, self.groups, repeating_error(once**2, seen))
 
     def _shapes(self, relative: float) -> ComplexArray:
         """Vibration under a torque that does not change with speed: of a rigid shaft, and near each pole."""

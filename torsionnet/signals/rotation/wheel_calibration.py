@@ -30,7 +30,7 @@ from torsionnet.signals.rotation.pitch_order import (
     PitchEvidence,
     PitchOrder,
     constant_part,
-    repeating,
+    repeating_error,
     speed_groups,
     student_quantile,
 )
@@ -375,7 +375,7 @@ def _result(
     _, scatter, variance = _over_windows(stack, positions)
     # Steps of a counter may repeat with each turn at a steady speed: the scatter between windows does not show those.
     once = np.full(teeth, evidence.time**2 * np.mean((stack.speeds / wheel.ratio) ** 2) / evidence.turns)
-    common = repeating(once, evidence.periods * float(np.mean(variance[present])))
+    common = repeating_error(once, evidence.periods * float(np.mean(variance[present])))
     scatter = np.hypot(scatter, student_quantile(NORMAL) * common / np.sqrt(1 + evidence.groups.max()))
     # Squares add: the scatter of a tooth, the intervals of the orders, and orders not resolved with all they have.
     of_orders = sum(row.half_width**2 for row in rows if row.resolved)

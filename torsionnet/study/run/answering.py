@@ -237,10 +237,10 @@ def _memory(study: Study, folder: Path | None) -> Iterator[EvaluationMemory | No
         yield None
         return
     from torsionnet.study.run.evaluation_memory import EvaluationMemory
-    from torsionnet.study.run.study_folder import StudyFolder, locked, study_record, writing
+    from torsionnet.study.run.study_folder import StudyFolder, locked, study_record, telling_write_errors
 
     place = StudyFolder(folder.resolve())
-    with writing(place.path):
+    with telling_write_errors(place.path):
         if not study.count:
             place.open(study_record(study, Chunks(len(study.configurations), 0, 1), every=1))
         with locked(place.path):

@@ -122,7 +122,7 @@ class JoinedValues:
         for text, count in part.remarks.items():
             remark(self.remarks, text, count)
         self.beyond += [] if part.beyond is None else [part.beyond]
-        self.read = widest([self.read, part.read])
+        self.read = widest_span([self.read, part.read])
 
     def whole(self) -> ChunkValues:
         """Results of all variants added."""
@@ -137,7 +137,7 @@ class JoinedValues:
         )
 
 
-def widest(read: Sequence[FloatArray]) -> FloatArray:
+def widest_span(read: Sequence[FloatArray]) -> FloatArray:
     """Lowest and highest of several pairs (2,) of frequencies in Hz, :data:`NOTHING_READ` without any.
 
     >>> widest([np.array([2.0, 5.0]), np.array(NOTHING_READ), np.array([3.0, 9.0])]).tolist()

@@ -22,7 +22,7 @@ import numpy as np
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.quantities.evaluator import Evaluator, Values
 from torsionnet.study.quantities.variant_block import NOTHING_READ
-from torsionnet.study.run.chunk_values import widest
+from torsionnet.study.run.chunk_values import widest_span
 from torsionnet.study.run.executor import Executor
 from torsionnet.study.run.study_folder import ANSWERS
 

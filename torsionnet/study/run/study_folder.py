@@ -198,7 +198,7 @@ class StudyFolder:
 
 
 @contextmanager
-def writing(folder: Path) -> Iterator[None]:
+def telling_write_errors(folder: Path) -> Iterator[None]:
     """Turn an error of writing in the study's folder into one that says that its chunks remain."""
     try:
         yield

@@ -82,7 +82,7 @@ class TruncatedMarginal(Marginal):
         return np.where(inside, self.whole.log_density(x) - np.log(self.share), -np.inf)
 
 
-def truncated(whole: Marginal, low: Number | None, high: Number | None, reader: NominalReader) -> Marginal:
+def truncated_distribution(whole: Marginal, low: Number | None, high: Number | None, reader: NominalReader) -> Marginal:
     """Distribution between the limits of a variation, the whole one if there are no limits."""
     if low is None and high is None:
         return whole
@@ -262,5 +262,5 @@ class Lognormal(Variation):
             reader.fault(f"{text}; take another type", "mean", kind="out-of-range")
         if reader.faults:
             return None
-        limited = truncated(LognormalMarginal(mean, deviation), self.low, self.high, reader)
+        limited = truncated_distribution(LognormalMarginal(mean, deviation), self.low, self.high, reader)
         return None if reader.faults else limited
