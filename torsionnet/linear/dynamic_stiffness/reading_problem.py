@@ -93,7 +93,7 @@ class ReadingProblem:
             for value in operations[operations[:, 0] == OUTPUT, 1].tolist():
                 place, number = divmod(value, len(excitations))
                 reached.setdefault(place, set()).add(excitations[number])
-        reaching = set(reached.get(self.parts[reading].solved, ()))
+        reaching = set(reached.get(self.readings[reading].solved, ()))
         # Excitations after those of the request are torques of actions, which hand on what they sense.
         waiting = [*self.driven[reading], *(number - self.n_excitations for number in reaching)]
         seen: set[int] = set()

@@ -176,7 +176,7 @@ class _Back(_Taping):
                 total = None
                 if motion.load and excitation in eliminated.loads:
                     total = writer.times(eliminated.loads[excitation], TapeQuantity(-1, motion.load))
-                for i, factor, source in motion.parts:
+                for i, factor, source in motion.terms:
                     if source in motions:
                         part = writer.times(eliminated.shares[i], motions[source])
                         part = writer.times(part, TapeQuantity(-1, factor))
@@ -218,7 +218,7 @@ class _Forward(_Taping):
             for motion in eliminated.step.motions:
                 for reading, weight in self._weights_on(motion.slot):
                     # r q = sum factor s_i (b q): the weight of the motion passes on to those it is made of ...
-                    for i, factor, source in motion.parts:
+                    for i, factor, source in motion.terms:
                         part = writer.times(weight, eliminated.shares[i])
                         self._add(self.carried[source], reading, writer.times(part, TapeQuantity(-1, factor)))
                     # ... and meets f_v / S, what loads do on the spot.

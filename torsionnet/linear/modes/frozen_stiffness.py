@@ -365,7 +365,7 @@ class FixedPoints:
             met += self._polished(end, low, high, max(missing, 0) * beside)
             values, shapes = np.array([mode.value for mode in met]), np.array([mode.shape for mode in met]).T
             met = [met[number] for number in distinct(values, shapes)]
-            falling = self._falling(met)
+            falling = self._where_the_count_falls(met)
             # counted = falling - rising, and those found that do not fall rise.
             missing = counted + len(met) - 2 * len(falling)
             if not missing:
