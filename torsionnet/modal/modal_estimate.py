@@ -278,8 +278,8 @@ FEWEST_ORDERS = 2
 
 def about_fit(estimate: ModalEstimate, seen: Sequence[int] = (), orders: int = 0) -> tuple[NoteOrText, ...]:
     """Warnings about modes outside the band, uncertain, computational or narrow, and about a large misfit of a fit."""
-    narrow = () if estimate.by_record else _narrow(estimate)
-    remarks = [*_beyond(estimate), *_uncertain(estimate), *_rare(estimate, seen, orders), *narrow]
+    narrow = () if estimate.by_record else _notes_on_narrow_peaks(estimate)
+    remarks = [*_notes_beyond_the_band(estimate), *_uncertain(estimate), *_rare(estimate, seen, orders), *narrow]
     worst = float(np.max(estimate.misfit))
     if worst > LARGEST_MISFIT:
         remarks.append(warning(f"the fit leaves {worst:.0%} of a response over; more orders or another band may help"))

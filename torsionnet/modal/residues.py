@@ -306,7 +306,7 @@ class Projection:
     def _column_derivatives(self, coefficients: FloatArray) -> list[tuple[slice, ComplexArray]]:
         """Slice and derivatives of the fit's columns (n_f, n), by the logarithm of each coefficient."""
         s, derivatives = self.lines.s, []
-        for own, value in self._values(coefficients):
+        for own, value in self._factor_values(coefficients):
             size = own.stop - own.start
             for number, coefficient in enumerate(coefficients[own]):
                 # d(1/D)/d ln c = -c s^n/D^2 for the coefficient c of s^n.

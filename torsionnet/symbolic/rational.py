@@ -365,7 +365,9 @@ def lowest_terms_in_s(function: SymbolicFraction, coefficient: Any, vanishes: An
     limit = 4
     while True:
         algebra = InPowersNearRest(coefficient, limit, delays_of(function.used_tables))
-        lowest = [first_term(polynomial, vanishes) for polynomial in function.steps.run(algebra, function.outputs)]
+        lowest = [
+            first_term(polynomial, vanishes) for polynomial in function.steps.values_in(algebra, function.outputs)
+        ]
         # A numerator that vanishes in more powers of s than the program has steps counts as zero.
         if lowest[1] is not None and (lowest[0] is not None or limit > len(function.steps.steps)):
             return lowest[0], lowest[1]

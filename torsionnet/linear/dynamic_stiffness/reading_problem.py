@@ -245,4 +245,4 @@ class _Gaps:
         number = self.numbers.setdefault((frozenset(laws.items()), frozenset(nodes.items())), len(self.opened))
         if number == len(self.opened):
             self.opened.append(Gap(laws, nodes))
-        return ReadingPart(number, None, factor)
+        return SolvedTerm(number, None, factor)

@@ -102,10 +102,10 @@ class ExactSlopes:
     ) -> FloatArray:
         quantity, response = asked
         try:
-            evaluation = response.at([values[name] for name in self.evaluator.names])
+            evaluation = response.evaluation([values[name] for name in self.evaluator.names])
         except SolveError:
             return np.array([[np.nan]])
-        return _part(quantity.part, evaluation.values[:, 0, 0], evaluation.jacobian[:, 0, 0])
+        return _part_derivatives(quantity.part, evaluation.values[:, 0, 0], evaluation.jacobian[:, 0, 0])
 
 
 def _part_derivatives(part: str, y: ComplexArray, dy: ComplexArray) -> FloatArray:

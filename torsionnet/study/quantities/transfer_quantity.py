@@ -55,7 +55,7 @@ class TransferQuantity(StudyQuantity):
     def unit(self, model: Drivetrain) -> str:
         """SI unit of the transfer function, that of the output over that of the input, empty if it has none."""
         request = cached_request(model, self.output, self.input, self.excitation)
-        unit = quotient_unit(request.outputs[0].unit, request.measured[0].unit)
+        unit = quotient_unit(request.outputs[0].unit, request.inputs[0].unit)
         return "" if unit == "1" else unit
 
     def values(self, block: VariantBlock, frequencies: FloatArray) -> ComplexArray:

@@ -240,7 +240,7 @@ class VariantBlock:
         frequencies: FloatArray,
         excitation: str | None,
     ) -> ComplexArray:
-        shape = (len(self), frequencies.shape[-1], len(nominal.outputs), len(nominal.measured))
+        shape = (len(self), frequencies.shape[-1], len(nominal.outputs), len(nominal.inputs))
         answers = np.full(shape, complex(np.nan, np.nan))
         own = np.broadcast_to(frequencies, shape[:2])
         for index in range(len(self)):

@@ -308,7 +308,7 @@ class SharedBlocks:
             self.progress(len(block))
         pairs = [self.read.get(evaluator.configuration, np.array(NOTHING_READ))]
         pairs += [rows[0, -2:] for rows in numbers.values()]
-        self.read[evaluator.configuration] = widest(pairs)
+        self.read[evaluator.configuration] = widest_span(pairs)
         return [numbers[place] for place in range(len(blocks))]
 
     def once(

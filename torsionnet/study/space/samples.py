@@ -166,7 +166,7 @@ class SobolPoints:
         self.dimension, self.bits, self.seed = dimension, max(LOW_BITS, (count - 1).bit_length()), seed
 
     def __call__(self, start: int, stop: int) -> FloatArray:
-        table, directions = _table(self.dimension, self.bits, self.seed)
+        table, directions = _sobol_start(self.dimension, self.bits, self.seed)
         points = np.empty((stop - start, self.dimension), dtype=np.uint32)
         for block in range(start >> LOW_BITS, -(-stop >> LOW_BITS)):
             begin, end = max(start, block << LOW_BITS), min(stop, (block + 1) << LOW_BITS)

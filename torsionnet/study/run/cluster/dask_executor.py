@@ -192,7 +192,7 @@ class _Running(Generic[S]):
                 with scheduler_errors(self.client):
                     self._submit(work, left)
                     self._await(len(left))
-                    done = self._next()
+                    done = self._finished_parts()
                 self.size.learn(chunk.seconds for _, chunk in done)
                 yield from ((part, chunk.result) for part, chunk in done)
         finally:

@@ -179,7 +179,7 @@ class Normal(Variation):
     def bound(self, reader: NominalReader) -> Marginal | None:
         mean = reader.value(self.mean, "mean")
         whole = NormalMarginal(mean, reader.spread(self.deviation, mean, "deviation"))
-        limited = truncated(whole, self.low, self.high, reader)
+        limited = truncated_distribution(whole, self.low, self.high, reader)
         return None if reader.faults else limited
 
 
