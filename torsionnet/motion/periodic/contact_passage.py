@@ -191,7 +191,7 @@ class ContactMarch:
                 owner = states.laws[guard // 3].owner
                 text = f"{owner}: its torque changes its piece more than {MOST_EVENTS} times in a period"
                 raise SolveError(text, kind="no-period")
-            following, _ = states.after(contact, guard, z / units, time)
+            following, _ = states.state_after(contact, guard, z / units, time)
             # Saltation: beside the orbit the event moves in time by rows.dz / speed, over which the other rates act.
             rows = guard_rows(form, states.laws, contact, at, states.drive.scale_of)[guard]
             entered = states.form(following)
