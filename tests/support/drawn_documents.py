@@ -6,7 +6,7 @@ import numpy as np
 
 import torsionnet as tn
 from torsionnet.report import make_report
-from torsionnet.report.writers.markdown import markdown_text
+from torsionnet.report.writers.markdown import MarkdownWriter
 
 
 def drawn_plant(seed):
@@ -100,4 +100,4 @@ def drawn_plant(seed):
 
 def printed(plant):
     """The document of a plant as its text."""
-    return markdown_text(make_report(plant, date=None), "figures")
+    return MarkdownWriter(make_report(plant, date=None), "figures").page()

@@ -126,7 +126,7 @@ def propeller_dampings(case: Case, records: Sequence[JudgedCritical]) -> Iterato
         )
 
 
-def coupling_dampings(case: Case, records: Sequence[CriticalRecord]) -> Iterator[str]:
+def coupling_dampings(case: Case, records: Sequence[JudgedCritical]) -> Iterator[str]:
     """Yield a sentence for each spring with a loss factor as of rubber: viscous damping that loses as much, by mode."""
     speeds = case.drivetrain.definition.speeds
     met = [record.critical for record in records if math.isfinite(record.critical.natural_speed)]
@@ -164,7 +164,7 @@ def coupling_dampings(case: Case, records: Sequence[CriticalRecord]) -> Iterator
         )
 
 
-def cancelling_sources(records: Sequence[CriticalRecord]) -> Iterator[str]:
+def cancelling_sources(records: Sequence[JudgedCritical]) -> Iterator[str]:
     """Yield the sentence on orders of several sources at one frequency whose sum is much less than the largest."""
     cancelling: dict[tuple[str, int], str] = {}
     for record in records:

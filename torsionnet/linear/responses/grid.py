@@ -94,7 +94,7 @@ def vibration_range(*modes: Modes) -> tuple[float, float]:
     if not vibrations:
         return RANGE_WITHOUT_MODES
     low, high = float(min(vibrations)), float(max(vibrations))
-    return rounded(low / RANGE_BELOW, up=False), rounded(high * RANGE_ABOVE, up=True)
+    return round_number(low / RANGE_BELOW, up=False), round_number(high * RANGE_ABOVE, up=True)
 
 
 def opening_range(*modes: Modes) -> tuple[float, float]:

@@ -207,7 +207,9 @@ class DerivativeProblem:
         For a law it holds the share in its own torque too.
         """
         own = {out.gap: exact(float(out.slopes.laws[law, p])) for out in self.readings if law >= 0 and out.gap >= 0}
-        return self._row({self.nodes[i]: exact(float(slopes[i])) for i in np.flatnonzero(slopes).tolist()}, own)
+        return self._row_without_own(
+            {self.nodes[i]: exact(float(slopes[i])) for i in np.flatnonzero(slopes).tolist()}, own
+        )
 
     # --- the problem ------------------------------------------------------------------------------------------------
 

@@ -203,10 +203,10 @@ class HtmlWriter(PageWriter):
         caption = f"<p class=caption id={name}><b>{escaped(str(label))}</b> {self.inline(layout.block.caption)}</p>"
         # A page may end between the parts of a short table, and within its notes.
         part = f"<div{' class=keep' if layout.stays_whole else ''}>"
-        parts = [f"{part}{caption}{self._piece(pieces[0], layout.block.groups, name)}</div>"]
+        parts = [f"{part}{caption}{self._columns_in_box(pieces[0], layout.block.groups, name)}</div>"]
         for place, piece in enumerate(pieces[1:], 2):
             above = f"<p class=caption id={name}-{place}>{escaped(self.word('(continued)'))}</p>"
-            parts.append(f"{part}{above}{self._piece(piece, layout.continued, f'{name}-{place}')}</div>")
+            parts.append(f"{part}{above}{self._columns_in_box(piece, layout.continued, f'{name}-{place}')}</div>")
         notes = "".join(f"<p class=note>{self.inline(note)}</p>" for note in layout.block.foot_notes)
         size = f" style=--size:{layout.size:g}" if layout.size < 1 else ""
         return f"<div class=table{size}>{''.join(parts)}{notes}</div>"

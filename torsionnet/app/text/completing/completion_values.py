@@ -36,7 +36,7 @@ from torsionnet.base.units import (
     parse_quantity,
     parse_unit,
 )
-from torsionnet.model.channels import ELEMENT_QUANTITIES, ChannelEntry, ChannelName, Sensor
+from torsionnet.model.channels import ELEMENT_QUANTITIES, ChannelEntry, ChannelName, PairEntry, Sensor
 from torsionnet.model.configurations import ChangedEntry
 from torsionnet.model.damping import MEASURES, DampingQuantity, LossFactor
 from torsionnet.model.element_base.element import ELEMENT_TYPES
@@ -347,7 +347,7 @@ def _channels(writing: Writing, spec: ChannelEntry[Any]) -> Iterator[CompletionO
             yield CompletionOption(f"{quantity} of {name}", "sensor", f"{{{quantity}: {name}}}", quantity)
 
 
-def _words(spec: Spec[Any], folder: Path | None) -> Iterator[CompletionOption]:
+def _listed_words(spec: Spec[Any], folder: Path | None) -> Iterator[CompletionOption]:
     """Words of a fixed list, from the specification of the entry or its JSON Schema."""
     if isinstance(spec, SectionName):
         from torsionnet.report.plan import SECTIONS
