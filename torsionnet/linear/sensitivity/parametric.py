@@ -48,7 +48,7 @@ class ParametricResponse:
     --------
     >>> import torsionnet as tn
     >>> response = parametric_response(tn.load("dmf_rig"), "theta_1", "T_T", [8.0], ["c_2", "k_2"])
-    >>> evaluation = response.at([4.0, 460.0])
+    >>> evaluation = response.evaluation([4.0, 460.0])
     >>> bool(abs(evaluation.jacobian[0, 0, 0, 0]) > 0), evaluation.jacobian.shape
     (True, (1, 1, 1, 2))
     """

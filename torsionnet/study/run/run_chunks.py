@@ -307,12 +307,12 @@ def run_study(
 
 def _in_folder(work: ChunkWork, path: Path, executor: Executor, progress: Progress) -> StudyResult:
     """Result of a study of which only those chunks are calculated that are not in its folder."""
-    from torsionnet.study.run.study_folder import StudyFolder, locked, study_record, writing
+    from torsionnet.study.run.study_folder import StudyFolder, locked, study_record, telling_write_errors
 
     place, total = StudyFolder(path), work.chunks.total
-    with writing(path):
+    with telling_write_errors(path):
         place.open(study_record(work.study, work.chunks, work.every))
-    with writing(path), locked(path):
+    with telling_write_errors(path), locked(path):
         place.remove_temporary_files()
         done = {number for number in place.chunk_numbers(total) if place.chunk(number) is not None}
         left = (number for number in range(total) if number not in done)
