@@ -104,7 +104,7 @@ def _object(kind: Any, data: Mapping[str, Any]) -> Any:
     """Object of a dataclass from its data; a field that is missing has its default."""
     return kind(
         **{
-            field.name: _value(_type(kind, field), data[field.name])
+            field.name: _read_value(_type(kind, field), data[field.name])
             for field in _saved_fields(kind)
             if field.name in data
         }
@@ -142,10 +142,10 @@ def _read_value(kind: Any, data: Any) -> Any:
         case origin if origin is tuple:
             # tuple[T, ...] has one type for all parts.
             kinds = arguments[:1] * len(data) if arguments[1:] == (...,) else arguments
-            return tuple(_value(own, part) for own, part in zip(kinds, data, strict=True))
+            return tuple(_read_value(own, part) for own, part in zip(kinds, data, strict=True))
         case origin if isinstance(origin, type) and issubclass(origin, Mapping):
             pairs = data.items() if isinstance(data, Mapping) else data
-            return {_value(arguments[0], key): _value(arguments[1], part) for key, part in pairs}
+            return {_read_value(arguments[0], key): _read_value(arguments[1], part) for key, part in pairs}
         case origin if getattr(origin, "__name__", "") in ("ndarray", "NDArray"):
             return _array(get_args(arguments[-1]) or arguments[-1:], data)
     if dataclasses.is_dataclass(kind):

@@ -158,7 +158,7 @@ def solve_kinematics(
         if node not in nodes:
             raise UsageError(f'no node is named "{node}"{did_you_mean(node, nodes)}', kind="unknown-node")
     before = like.made if like else {}
-    made = {element.name: _made(element, value, before.get(element.name)) for element in definition.active}
+    made = {element.name: _parts_of_element(element, value, before.get(element.name)) for element in definition.active}
     parts = tuple(part for own in made.values() for part in own.parts)
     imposed = imposed_rows(definition, set(nodes))
     driven = tuple(definition.inputs[name].row for name in imposed)

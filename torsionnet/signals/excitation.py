@@ -372,7 +372,7 @@ class LoadCycles(Excitation):
 
     def _alternating(self, time: FloatArray, sampling_rate: float) -> FloatArray:  # noqa: ARG002
         signal, start = np.full(len(time), self.means[-1] / self.amplitude), 0.0
-        for before, mean, level, frequency in self._pieces:
+        for before, mean, level, frequency in self._cycle_pieces:
             end = start + (self.cycles if level else 1) / frequency
             here = (time >= start) & (time < end)
             turns = frequency * (time[here] - start)

@@ -214,7 +214,8 @@ def stepped_stiffness(
     if not (np.isfinite(torque).all() and np.isfinite(twist).all()):
         raise UsageError("torque and twist have samples without a value", kind="not-finite")
     harmonics = [
-        _harmonics(torque[a:b], twist[a:b], rate, sampling_rate) for a, b, rate in _steps(twist, sampling_rate)
+        _harmonics(torque[a:b], twist[a:b], rate, sampling_rate)
+        for a, b, rate in _groups_of_cycles(twist, sampling_rate)
     ]
     rows = [row for row in harmonics if row is not None]
     if not rows:

@@ -363,43 +363,6 @@ def random_error(coherence: FloatArray, averages: float) -> RandomError:
         return _of_relative(np.sqrt((1 - bounded) / (2 * averages * bounded)))
 
 
-def random_errors(
-    spectra: CrossSpectra, response: FrequencyResponse, reference: str | Sequence[str] = ()
-) -> RandomError:
-    """Random error of every transfer function of an estimated response, from the spectra behind it.
-
-    The noise of an output is the part that all inputs together do not explain; its effect on the path of an input is
-    larger the less this input varies independently. For one input this is :func:`random_error`. Against a reference
-    r it is ``sqrt(S_rr S_ee / (2 n |S_ry|^2))`` with the spectral density ``S_ee`` of ``y - H x``, which contains the
-    noise of both sides: the error of ``H = S_ry / S_rx`` to first order.
-
-    Parameters
-    ----------
-    spectra : CrossSpectra
-    response : FrequencyResponse
-        Response that :func:`~torsionnet.signals.estimators.estimate` returned for them.
-    reference : str or sequence of str, optional
-        Reference signals of ``Hr``.
-    """
-    inputs, outputs = _names(response.inputs), _names(response.outputs)
-    references = [reference] if isinstance(reference, str) else list(reference) or inputs
-    s_xx, s_xy = spectra.between(inputs, inputs), spectra.between(inputs, outputs)
-    s_yy = spectra.between(outputs, outputs)
-    s_rx, s_ry = spectra.between(references, inputs), spectra.between(references, outputs)
-    free = spectra.effective_averages - len(inputs) + 1
-    if free <= 0:
-        raise UsageError(
-            f"{spectra.effective_averages:.1f} effective averages cannot tell {len(inputs)} inputs from noise",
-            kind="too-short",
-        )
-    backward, estimated = np.linalg.pinv(s_rx), hr(s_rx, s_ry)
-    alone = np.einsum("fir,frs,fis->fi", backward, spectra.between(references, references), backward.conj()).real
-    # What the inputs leave of the output, passed back through the references, over twice the free averages.
-    squared = unexplained_spectra(estimated, s_xx, s_xy, s_yy)[:, :, None] * alone[:, None, :] / (2 * free)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return _of_relative(np.sqrt(squared) / np.abs(estimated))
-
-
 def _of_relative(relative: FloatArray) -> RandomError:
     uniform_phase = np.pi / np.sqrt(3)
     return RandomError(np.asarray(relative), np.degrees(np.minimum(relative, uniform_phase)))

@@ -165,7 +165,7 @@ def rating_mismatches(external: ExternalTorques) -> list[Fault]:
     faults = list(_speeds(external, machines, rated))
     if any(fault.path[0] == LOAD for fault in faults):  # its power at rated speed follows from that
         return faults
-    unlike = [*_absorbed(external, machines, work), *_given(external, machines, work)]
+    unlike = [*_absorbed(external, machines, work), *_weak_engines(external, machines, work)]
     return faults + (_of_load(external, unlike, work) or [mismatch.fault for mismatch in unlike])
 
 

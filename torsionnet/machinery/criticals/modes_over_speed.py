@@ -178,7 +178,7 @@ class ModesOverSpeed:
             curves = np.array([_curves(mode) for mode in every]).reshape(len(every), len(CURVES), 1)
             return (CurvePiece(np.array(self.known), self._first_numbers(len(every)), curves),)
         pieces = []
-        for piece, numbers in zip(self._pieces, self._numbers, strict=True):
+        for piece, numbers in zip(self._pieces, self._numbers_of_pieces, strict=True):
             kept = [place for place, number in enumerate(numbers) if number]
             pieces.append(CurvePiece(piece.speeds, tuple(numbers[place] for place in kept), piece.values[kept]))
         return tuple(pieces)

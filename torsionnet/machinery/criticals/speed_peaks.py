@@ -97,7 +97,7 @@ class _Search:
     def peaks(self) -> dict[int, tuple[SpeedPeak, ...]]:
         """Peaks (speed in rad/s and amplitude) by ``id`` of the critical speed, one for each output that has a peak."""
         grids = [self._around(crossing) for crossing in self.crossings]
-        first = self._sizes(self.crossings, grids)
+        first = self._amplitudes(self.crossings, grids)
         peaks: dict[int, tuple[SpeedPeak, ...]] = {}
         for place, channel in enumerate(self.channels):
             starts = {

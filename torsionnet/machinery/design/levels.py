@@ -276,13 +276,13 @@ class WorstLevels:
 
     def at(self, values: FloatArray, points: FloatArray) -> FloatArray:
         levels = np.empty(len(points))
-        for part, chosen, own in self._split(points):
+        for part, chosen, own in self._parts_of_points(points):
             levels[chosen] = part.at(values, own)
         return levels
 
     def slopes(self, values: FloatArray, points: FloatArray) -> FloatArray:
         slopes = np.empty((len(points), len(values)))
-        for part, chosen, own in self._split(points):
+        for part, chosen, own in self._parts_of_points(points):
             slopes[chosen] = part.slopes(values, own)
         return slopes
 

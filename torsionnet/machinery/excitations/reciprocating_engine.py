@@ -87,8 +87,10 @@ class ReciprocatingEngine(EngineEntries):
             orders,
             nodes,
             torques,
-            alternatives=self._shares("misfire of cylinder {number}", misfires) if self.misfire == EACH else None,
-            scatter=self._shares("cylinder {number}", scatter) if self.spread else None,
+            alternatives=self._shares_by_cylinder("misfire of cylinder {number}", misfires)
+            if self.misfire == EACH
+            else None,
+            scatter=self._shares_by_cylinder("cylinder {number}", scatter) if self.spread else None,
         )
 
     def _shares_by_cylinder(self, what: str, torques: Mapping[int, ComplexArray]) -> TorqueShares:

@@ -234,7 +234,7 @@ def _mean_response(
         drivetrain,
         tuple,
         (reference, at.tobytes(), tuple(output.sensor for output in wanted), tuple(nodes)),
-        lambda: tuple(_solved(held, reference, at, wanted, nodes)),
+        lambda: tuple(_static_readings(held, reference, at, wanted, nodes)),
         lambda blocks: sum(per_torque.nbytes for per_torque, _ in blocks),
     )
     for per_torque, places in solved:

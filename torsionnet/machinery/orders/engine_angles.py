@@ -66,7 +66,7 @@ def worst_angles(values: ComplexArray, lines: Sequence[OrderLine], grid: BlockGr
     rises = sum(np.tile(motion.rises, grid.points // motion.rises.shape[2]) for motion in motions)
     best: _Found | None = None
     for lag in highest_maxima(np.asarray(rises)):
-        refined = _followed(motions, lag, 2 * np.pi * float(grid.cycle) / grid.points)
+        refined = _refined_ranges(motions, lag, 2 * np.pi * float(grid.cycle) / grid.points)
         best = refined if best is None else best.or_if_larger(refined)
     assert best is not None
     signs: list[NDArray[np.int8]] = [np.zeros(0, dtype=np.int8)] * len(shares)

@@ -53,7 +53,7 @@ def read_catalogue(path: str | os.PathLike[str]) -> Catalogue:
     if not file.is_file():
         raise UsageError(f'there is no file "{path}"', kind="missing-file")
     stat = file.stat()
-    return Catalogue(file, tuple(row.size for row in _rows(file, stat.st_mtime_ns, stat.st_size)))
+    return Catalogue(file, tuple(row.size for row in _catalogue_rows(file, stat.st_mtime_ns, stat.st_size)))
 
 
 def catalogue_row(path: Path, file: str, size: str) -> CatalogueRow:

@@ -50,7 +50,7 @@ def worst_variants(
     """
     cases = list(dict.fromkeys(variant.configuration for variant in result.variants))
     names = list(result.parameter_units)
-    sheet = (_panels if len(cases) <= MOST_PANELS else _table)(result, cases, names, units, ax)
+    sheet = (_panels if len(cases) <= MOST_PANELS else _worst_sheet)(result, cases, names, units, ax)
     directions = dict.fromkeys(variant.direction for variant in result.variants)
     marks = [Line2D([], [], color=style.MUTED, linewidth=1.0)]
     marks += [Line2D([], [], color=COLORS[direction], linewidth=6.0) for direction in directions]

@@ -117,7 +117,7 @@ def with_doubts(source: Source) -> Source:
     doubted = [
         channel for channel in alone if (not channel.unit or is_time(channel)) and _NUMBERED.fullmatch(channel.name)
     ]
-    stamps_of = _read(source, [source.time, *doubted]) if doubted else {}
+    stamps_of = _time_columns(source, [source.time, *doubted]) if doubted else {}
     first = stamps_of.get(source.time.column, np.empty(0))
     others = [
         channel.name

@@ -251,7 +251,7 @@ def _cells(entries: Mapping[str, _Entry], key: str, count: int) -> list[str]:
 
 
 def _whole(entry: _Entry | None, key: str, file: str, dialect: Dialect, faults: list[Fault]) -> int | None:
-    numbers = _numbers(entry, key, file, dialect, faults)
+    numbers = _numbers_by_cell(entry, key, file, dialect, faults)
     return int(numbers[0][1]) if numbers else None
 
 
