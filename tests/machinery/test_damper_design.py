@@ -302,7 +302,7 @@ def test_levels_over_speed_do_not_depend_on_the_step(step):
     meant = 5 / np.abs(K - J * near**2 + film)
     points = levels.maxima(np.array([c, 0.0]))
     assert points[0] == pytest.approx(near[meant.argmax()], rel=1e-5)
-    assert levels.at(np.array([c, 0.0]), points[:1]).item() == pytest.approx(meant.max(), rel=1e-3)
+    assert levels.sizes_at(np.array([c, 0.0]), points[:1]).item() == pytest.approx(meant.max(), rel=1e-3)
 
 
 def test_the_largest_level_is_that_at_the_highest_maximum():

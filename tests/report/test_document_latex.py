@@ -25,7 +25,7 @@ from torsionnet.report.document_tree import (
 )
 from torsionnet.report.report_tables import merge_equal_rows, table
 from torsionnet.report.writers.html import html_page
-from torsionnet.report.writers.latex import LatexInline, latex_document, lines_needed, table_latex
+from torsionnet.report.writers.latex import LatexInline, LatexWriter, lines_needed, table_latex
 from torsionnet.report.writers.table_layout import GAP_LETTERS, PAGE_LETTERS, TableColumn, TableLayout
 
 needs_latex = pytest.mark.skipif(

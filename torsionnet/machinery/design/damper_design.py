@@ -247,7 +247,7 @@ def highest_peaks(levels: Levels, values: FloatArray) -> tuple[LevelPeak, ...]:
     Points are in the unit of display.
     """
     points = levels.maxima(values)
-    sizes = levels.at(values, points)
+    sizes = levels.sizes_at(values, points)
     peaks = zip(levels.shown(points).tolist(), sizes.tolist(), strict=True)
     return tuple(LevelPeak(point, level) for point, level in peaks if level >= sizes[0] * (1 - EQUAL_PEAK_DIFFERENCE))
 

@@ -112,12 +112,12 @@ class ReceptanceLevels:
     def _model(self) -> VariedModel:
         return VariedModel(self.response.unknowns)
 
-    def at(self, values: FloatArray, points: FloatArray) -> FloatArray:
-        response = replace(self.response, frequencies=points).at(values)
+    def sizes_at(self, values: FloatArray, points: FloatArray) -> FloatArray:
+        response = replace(self.response, frequencies=points).evaluation(values)
         return np.abs(response.values[:, 0, 0])
 
     def slopes(self, values: FloatArray, points: FloatArray) -> FloatArray:
-        response = replace(self.response, frequencies=points).at(values)
+        response = replace(self.response, frequencies=points).evaluation(values)
         y, dy = response.values[:, 0, 0], response.jacobian[:, 0, 0]
         # d|y|/dp = Re(conj(y) dy/dp)/|y|.
         return np.asarray((np.conj(y)[:, None] * dy).real / np.abs(y)[:, None])
@@ -130,7 +130,7 @@ class ReceptanceLevels:
             self._refined(values, grid[place - 1], grid[place + 1]) if 0 < place < len(grid) - 1 else float(grid[place])
             for place in places
         ]
-        return _highest_first(np.array(points), self.at(values, np.array(points)))
+        return _highest_first(np.array(points), self.sizes_at(values, np.array(points)))
 
     def _refined(self, values: FloatArray, low: float, high: float) -> float:
         for _ in range(REFINEMENT_ROUNDS):
@@ -192,7 +192,7 @@ class OrderLevels:
             # Central differences, of which the error goes with the square of the step.
             step = SLOPE_STEP * (abs(value) or 1.0)
             above, below = (np.where(np.arange(len(values)) == place, values + sign * step, values) for sign in (1, -1))
-            slopes[:, place] = (self.at(above, points) - self.at(below, points)) / (2 * step)
+            slopes[:, place] = (self.sizes_at(above, points) - self.sizes_at(below, points)) / (2 * step)
         return slopes
 
     def maxima(self, values: FloatArray) -> FloatArray:
@@ -201,7 +201,7 @@ class OrderLevels:
             return both[:, np.argsort(both[0], kind="stable")]
 
         grid = self.grid(values)
-        curve = np.array([grid, self.at(values, grid)])
+        curve = np.array([grid, self.sizes_at(values, grid)])
         if self.refine:
             curve = refine_speeds(curve, lambda known: speeds_to_refine(known[0], known[1:].T), with_more)
         places = _with_ends(curve[1])
@@ -274,10 +274,10 @@ class WorstLevels:
     def grid(self, values: FloatArray) -> FloatArray:
         return np.concatenate([part.grid(values) + at * self._room for at, part in enumerate(self.parts)])
 
-    def at(self, values: FloatArray, points: FloatArray) -> FloatArray:
+    def sizes_at(self, values: FloatArray, points: FloatArray) -> FloatArray:
         levels = np.empty(len(points))
         for part, chosen, own in self._parts_of_points(points):
-            levels[chosen] = part.at(values, own)
+            levels[chosen] = part.sizes_at(values, own)
         return levels
 
     def slopes(self, values: FloatArray, points: FloatArray) -> FloatArray:
@@ -288,7 +288,7 @@ class WorstLevels:
 
     def maxima(self, values: FloatArray) -> FloatArray:
         points = np.concatenate([part.maxima(values) + at * self._room for at, part in enumerate(self.parts)])
-        return points[np.argsort(-self.at(values, points), kind="stable")]
+        return points[np.argsort(-self.sizes_at(values, points), kind="stable")]
 
     def shown(self, points: FloatArray) -> FloatArray:
         return self.parts[0].shown(points - self._room * self.condition(points))
