@@ -310,6 +310,6 @@ def test_the_largest_level_is_that_at_the_highest_maximum():
     levels = SimpleNamespace(
         maxima=lambda _: np.array([2.0, 1.0]),
         grid=lambda _: np.array([0.0, 3.0]),
-        at=lambda _, points: 9 - (points - 2) ** 2,
+        sizes_at=lambda _, points: 9 - (points - 2) ** 2,
     )
     assert (largest(levels, None), largest(levels, None, refined=False)) == (9, 8)
