@@ -102,7 +102,7 @@ def possible_causes(problem: FitProblem) -> tuple[Cause, ...]:
     channel = [Cause(name, name) for name in asked if name not in free]
     rigs = [block.response.drivetrain for block in problem.blocks]
     over_time = any(isinstance(block, EquationBlock) for block in problem.blocks)  # where a loss factor has no torque
-    listed = [*_values(rigs[0]), *_ratios(rigs[0]), *([] if over_time else _dampings(rigs[0]))]
+    listed = [*_wrong_value_causes(rigs[0]), *_ratios(rigs[0]), *([] if over_time else _dampings(rigs[0]))]
     listed += (
         one for block in problem.blocks if isinstance(block, SteppedBlock | EquationBlock) for one in _left_out(block)
     )

@@ -305,7 +305,7 @@ def _with_harmonics(problem: FitProblem, best: LeastSquaresSolution, loss: str) 
     return best
 
 
-def _settled(
+def _optimum_with_its_noise(
     problem: FitProblem,
     best: LeastSquaresSolution,
     loss: str,

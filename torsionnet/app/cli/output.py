@@ -145,7 +145,7 @@ def study_json(study: Study, answered: AnsweredStudy) -> dict[str, Any]:
     Statistics of its variants, if it has any, between the title and the answers.
     """
     answers = {
-        name: ConclusionRow(answered.sentences(name), conclusion.to_data())
+        name: WordedConclusion(answered.sentences(name), conclusion.to_data())
         for name, conclusion in answered.conclusions.items()
     }
     unanswered = {name: str(error) for name, error in answered.unanswered.items()}
@@ -156,7 +156,7 @@ def study_json(study: Study, answered: AnsweredStudy) -> dict[str, Any]:
 
 def study_schema() -> Schema:
     """JSON Schema of the data of a study that :func:`study_json` returns."""
-    fields = (*out_fields(StatisticsRecord), *out_fields(StudyRecord))
+    fields = (*out_fields(StudyStatistics), *out_fields(StudyAnswers))
     properties = {str(field.key): field.schema() for field in fields}
     return record_schema(properties, optional=properties.keys() - {"title", "answers"})
 

@@ -65,7 +65,7 @@ class _Outline:
             kind = "axis" if section == "configurations" else SECTION_KINDS.get(section, "")
             below = [self.thing(entry, (*path, key, name), thing, kind) for name, thing in entry.entries.items()]
             children = tuple(thing for thing in below if thing is not None) if kind else ()
-            item = self.item(entry, section, "section", _shown(entry.value) if not kind else "", children)
+            item = self.item(entry, section, "section", _value_text(entry.value) if not kind else "", children)
             if item is not None:
                 yield item
 
@@ -89,7 +89,7 @@ class _Outline:
         if not has_axes(whole.value):
             return self.item(node, name, "configuration", _value_text(node.value), ())
         below = [
-            self.item(alternative, str(label), "configuration", _shown(alternative.value), ())
+            self.item(alternative, str(label), "configuration", _value_text(alternative.value), ())
             for label, alternative in node.entries.items()
         ]
         return self.item(node, name, "axis", "", tuple(alternative for alternative in below if alternative is not None))

@@ -65,7 +65,7 @@ def run_campaign(
         checked = record_findings(campaign, name, place)
         findings += checked
         if not any(finding.consequence == "left out" for finding in checked):
-            records[name] = _result(campaign, name, place)
+            records[name] = _record_result(campaign, name, place)
     if not records:
         texts = [finding.remark for finding in findings]
         raise ModelError([Fault(text, ("checks",), kind="missing-data") for text in texts], campaign.file.name)

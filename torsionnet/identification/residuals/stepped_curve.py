@@ -182,7 +182,7 @@ class SteppedCurve:
             return self
         numbers = [float(one) for one in values]
         weights = np.array([float(one) for one in self.row.values()])
-        by_torque = self.at_harmonics.at(numbers).values[:, 1, 1:] @ weights
+        by_torque = self.at_harmonics.evaluation(numbers).values[:, 1, 1:] @ weights
         laws, sizes = self._laws(tuple(numbers)), (np.abs(self.twists(numbers)), self.mean_twists, self.omega)
         receptances = by_torque.reshape(-1, len(self.torques)).T
         return replace(self, beyond=stiffness_by_harmonics(laws, *sizes, self.spring, receptances))
@@ -218,7 +218,7 @@ class SteppedCurve:
         tau = (self._stiffness(numbers, np.abs(gamma)) - self.spring) * gamma
         return np.asarray(gamma - beside.of_twist * self.torques + beside.by_torque * tau)
 
-    def _newton(
+    def _linear_change(
         self, beside: Beside, K: ComplexArray, rises: ComplexArray, gamma: ComplexArray
     ) -> tuple[ComplexArray, ComplexArray]:
         """A and B of the change A d + B conj(d) of what is missed with a change d of the twist.
@@ -294,7 +294,7 @@ class Beside:
 
 def beside_of(linear: ParametricResponse, row: Row, numbers: Sequence[float]) -> Beside:
     """Receptances of what is linear, under the torque that drives or the one that is measured, with derivatives."""
-    found = linear.at(numbers)
+    found = linear.evaluation(numbers)
     weights = np.array([float(one) for one in row.values()])
     driven, slopes = found.values[:, :, 0], found.jacobian[:, :, 0]
     between, between_slopes = (

@@ -85,7 +85,7 @@ class DampingCommand(RecordCommand):
     configuration: str = option("--configuration", "-c", metavar="NAME", default="", help="Of that model.")
 
     def answer(self) -> Answer:
-        self._check()
+        self._refuse_idle_options()
         modes = self._found()
         compared = _compared(modes, self.model, self.configuration) if self.model else None
         print_warnings(modes.notes)
@@ -238,7 +238,7 @@ def _quantity(record: Recording, name: str, quantity: str) -> FloatArray:
 
 
 def _compared(modes: OperationalModes, model: str, configuration: str) -> Match:
-    from torsionnet.loading import load
+    from torsionnet.drivetrain import load
     from torsionnet.modal import match
 
     rig = load(model)

@@ -333,7 +333,7 @@ def _identified(response: FrequencyResponse, method: Any, order: int | None) -> 
 
 
 def _compared(estimate: ModalEstimate, model: str, configuration: str, inputs: tuple[str, ...]) -> Match:
-    from torsionnet.loading import load
+    from torsionnet.drivetrain import load
     from torsionnet.modal import match
 
     rig = load(model)

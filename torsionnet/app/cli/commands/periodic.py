@@ -73,9 +73,7 @@ class PeriodicCommand(ModelCommand):
         responses = self.each("periodic", cases, lambda case: self._run(case, over))
         return Answer(
             screen=lambda: separated_by_lines(response.table(conventions) for response in responses),
-            data=lambda: [
-                PeriodicRecord.of(response, case.configuration) for case, response in zip(cases, responses, strict=True)
-            ],
+            data=lambda: [case.data(response) for case, response in zip(cases, responses, strict=True)],
             csv=lambda: [("", self.combined_table(cases, [response.table(conventions) for response in responses]))],
             figures=lambda plot: [
                 (case.configuration, plot.periodic_response(response, conventions=conventions))

@@ -261,6 +261,12 @@ def _chosen(sensitivities: ModeSensitivities, modes: tuple[int, ...]) -> Table:
     return replace(table, rows=rows, notes=notes)
 
 
+def _chosen_data(data: dict[str, Any], modes: tuple[int, ...]) -> dict[str, Any]:
+    """JSON data of sensitivities of the modes chosen alone, or of all."""
+    chosen = [one for one in data["modes"] if one["mode"] in modes]
+    return {**data, "modes": chosen or data["modes"]}
+
+
 def _largest(sensitivities: ModeSensitivities, table: Table) -> Table:
     """Table of the effects that change an eigenvalue most relative to its size, without the words on other modes."""
     if len(table.rows) <= EFFECTS_SHOWN:

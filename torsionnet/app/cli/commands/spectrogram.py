@@ -42,7 +42,7 @@ class SpectrogramCommand(RecordCommand):
         return Answer(
             screen=lambda: map(_strongest_lines, seen),
             data=lambda: seen,
-            csv=lambda: [(channel.name, _table(channel, every=True)) for channel in seen],
+            csv=lambda: [(channel.name, _strongest_lines(channel, every=True)) for channel in seen],
             figures=lambda plot: [
                 (channel.name, plot.spectrogram(channel, up_to=self.up_to, span=self.span, conventions=shown))
                 for channel in seen

@@ -45,7 +45,7 @@ class StaticCommand(ModelCommand):
         from torsionnet.base.conventions import Conventions
 
         conventions = Conventions(angle=self.angle)
-        cases, states = self._found()
+        cases, states = self._loaded_states()
         return Answer(
             screen=lambda: separated_by_lines(state.table(conventions) for state in states),
             data=lambda: states,
