@@ -147,7 +147,7 @@ def _named_value_text(name: str, value: Any, written: Any, points: str) -> str:
     """Text of an entry with its name and its value; of a list too long, ``points`` or the file that it came from."""
     if isinstance(value, Mapping) and not _is_long(value.get("pressures")):
         own = written if isinstance(written, Mapping) else {}
-        each = (_named(str(key), inner, own.get(key), points) for key, inner in value.items())
+        each = (_named_value_text(str(key), inner, own.get(key), points) for key, inner in value.items())
         return joined(" ", (phrase(as_words(name)), joined(", ", each)))
     pressures = value["pressures"] if isinstance(value, Mapping) else value
     if not _is_long(pressures):

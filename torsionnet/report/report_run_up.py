@@ -48,7 +48,7 @@ def run_up_blocks(subject: ReportData, judged: LimitConclusion) -> Iterator[Bloc
 
 
 def _table(subject: ReportData, checks: list[LimitCheck]) -> Block:
-    rows = list(_rows(checks))
+    rows = list(_judged_cases(checks))
     scaled = [_in_units(subject, passed) for _, passed in rows]
     columns = (
         Heading("Component"), Heading("Limit"), Heading("Condition"), Heading("Speed", "rpm", numeric=True),

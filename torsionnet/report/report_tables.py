@@ -220,7 +220,7 @@ def in_shown_units(numbers: Table, units: ShownUnits) -> Table:
     )
     places = [place for place, column in enumerate(numbers.columns) if column.name == UNIT]
     if places:
-        rows = tuple(_row(row, places, units) for row in rows)
+        rows = tuple(_row_in_shown_units(row, places, units) for row in rows)
     return _units_in_headings(replace(numbers, columns=columns, rows=rows), places)
 
 

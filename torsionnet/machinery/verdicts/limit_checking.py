@@ -324,7 +324,7 @@ class _Examination:
             below = replace(self, run_below=top)
             curves = below.resolved(below.judged_by(replace(curves.evidence, run_below=top)))
             verdicts = below.verdicts(curves)
-        return curves, settled(verdicts, curves.run.speeds)
+        return curves, without_contradictions(verdicts, curves.run.speeds)
 
     def resolved(self, curves: _Examined) -> _Examined:
         """Curves at further speeds, so many that peaks and ends of ranges are known, if that is asked for."""

@@ -224,7 +224,7 @@ class RangePassage:
         return self._there(self.allowed_in_passing)
 
     def _there(self, over_time: FloatArray) -> float | None:
-        amount = float(np.interp(self._worst[0], self.response.times, over_time))
+        amount = float(np.interp(self._largest_inside[0], self.response.times, over_time))
         return amount if math.isfinite(amount) else None
 
     @property

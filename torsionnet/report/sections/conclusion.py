@@ -131,11 +131,18 @@ def _components(subject: ReportData, judged: LimitConclusion) -> TableBlock:
     )
     worst = [row for limit in judged.worst() for row in _records(judged, limit)]
     if len(judged.checks) < 2:
-        return table("Verdict on every component, at its worst speed", columns, _rows(subject, worst, named=False))
+        return table(
+            "Verdict on every component, at its worst speed", columns, _component_rows(subject, worst, named=False)
+        )
     normal = next(check for check in judged.checks if check.configuration == subject.normal_case.configuration)
     groups = (
-        TableGroup(_rows(subject, LimitConclusion((normal,)).worst(), named=False), capital(subject.normal_case.title)),
-        TableGroup(_rows(subject, worst, named=True), phrase("Worst of {count} conditions", count=len(judged.checks))),
+        TableGroup(
+            _component_rows(subject, LimitConclusion((normal,)).worst(), named=False),
+            capital(subject.normal_case.title),
+        ),
+        TableGroup(
+            _component_rows(subject, worst, named=True), phrase("Worst of {count} conditions", count=len(judged.checks))
+        ),
     )
     caption = "Verdict on every component at its worst speed, in the normal condition and in the worst one"
     return TableBlock((caption,), columns, groups)

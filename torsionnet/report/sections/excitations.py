@@ -109,7 +109,7 @@ def _value_cells(spec: Spec[object], value: Any) -> tuple[Cell, Cell]:
             "{count} values between {low:.6g} and {high:.6g}", count=len(value), low=min(value), high=max(value)
         ), "SI"
     if isinstance(value, Mapping) and value and all(isinstance(entry, Declared) for entry in value.values()):
-        return "; ".join(f"{_text(key)}: {_given(entry)}" for key, entry in value.items()), "–"
+        return "; ".join(f"{_text(key)}: {_given_values_text(entry)}" for key, entry in value.items()), "–"
     return _text(spec.plain(value)), "–"
 
 

@@ -143,7 +143,7 @@ def _of_condition(
         speeds = merged_speeds([*critical_peaks(run), *_fixed_speeds(subject, case, run)]) or (_largest(run),)
         at = _at(case, place, speeds, run.reference)
         measured = [order for test in tests.get(name, ()) for order in test.orders]
-        blocks.append(_table(subject, case, place, at, speeds, measured))
+        blocks.append(_place_table(subject, case, place, at, speeds, measured))
         if name in tests:
             blocks += measured_order_tables(run, name, tests[name], subject.conventions, *_placed(place, case))
             blocks.append(Paragraph((DAMPING_NOTE,)))

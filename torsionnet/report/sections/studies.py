@@ -74,7 +74,7 @@ def varied_parameters(study: Study, units: ShownUnits) -> TableBlock:
         for equal in alike[name]:
             where = first_names(equal.cases, MOST_NAMES) if len(alike[name]) > 1 else ""
             given = "" if equal.given is None else NumberText(equal.given * units.scale(name), SIGNIFICANT_DIGITS)
-            numbers = _numbers(equal.sizes, units.scale(name))
+            numbers = _distribution_text(equal.sizes, units.scale(name))
             rows.append(
                 (symbol_or_words(name), where, unit(units.unit(name)), given, variation.words, numbers, written)
             )
