@@ -121,7 +121,7 @@ def _damping_cells(case: Case, records: Sequence[JudgedCritical]) -> dict[float,
 
 
 def _normal_row(
-    subject: ReportData, record: CriticalRecord, summed: SummedOrder | None, damping: str
+    subject: ReportData, record: JudgedCritical, summed: SummedOrder | None, damping: str
 ) -> tuple[Cell, ...]:
     """Row of a critical speed in the normal condition, or of a sum of orders at the peak of the largest of them."""
     rated = math.nan if record.rated is None else 100 * record.rated.utilisation
@@ -212,7 +212,7 @@ def _beside_in(subject: ReportData) -> Iterator[str]:
 
 def _worst(records: Iterator[JudgedCritical]) -> list[JudgedCritical]:
     """Records in which each order uses a limit most at each of its modes, of all conditions."""
-    worst: dict[tuple[int, str], CriticalRecord] = {}
+    worst: dict[tuple[int, str], JudgedCritical] = {}
     for record in records:
         known = worst.get(record.key)
         if record.point is not None and (known is None or record.utilisation > known.utilisation):
@@ -220,11 +220,11 @@ def _worst(records: Iterator[JudgedCritical]) -> list[JudgedCritical]:
     return list(worst.values())
 
 
-def _matters(record: CriticalRecord) -> bool:
+def _matters(record: JudgedCritical) -> bool:
     return record.is_peak and record.share >= LEAST_SHARE
 
 
-def _alike(record: CriticalRecord, other: CriticalRecord | None) -> bool:
+def _alike(record: JudgedCritical, other: JudgedCritical | None) -> bool:
     """Whether a critical speed and its peak agree with those of another condition within ``SAME_VALUE``."""
     if other is None or record.point is None or other.point is None:
         return False
@@ -244,7 +244,7 @@ def same_value(one: float, other: float) -> bool:
     return bool(abs(one - other) <= SAME_VALUE * abs(other)) or (math.isnan(one) and math.isnan(other))
 
 
-def _common(record: CriticalRecord, summed: SummedOrder | None) -> tuple[Cell, ...]:
+def _common(record: JudgedCritical, summed: SummedOrder | None) -> tuple[Cell, ...]:
     """Cells on speed, equilibrium amplitude, generalised force and magnifier; of a sum of orders on speed alone."""
     critical = record.critical
     speed = NumberText(critical.natural_speed * RPM, 4, 1)
@@ -258,7 +258,7 @@ def _common(record: CriticalRecord, summed: SummedOrder | None) -> tuple[Cell, .
     )
 
 
-def _values(subject: ReportData, record: CriticalRecord, summed: SummedOrder | None) -> tuple[Cell, ...]:
+def _values(subject: ReportData, record: JudgedCritical, summed: SummedOrder | None) -> tuple[Cell, ...]:
     """Cells on the component that an order, or a sum of orders, uses most: name, speed, values and values allowed."""
     point = not_none(record.point)
     sizes = (point.order(summed.places if summed else (record.line,)), point.value, point.continuous, point.in_passing)

@@ -248,7 +248,7 @@ def condition_peaks(
     wanted += [vertex_speed(check.speeds, top.verdict.values, top.at) for top in tops]
     speeds = np.clip(np.unique(np.array(wanted)), low, high)
     if not len(speeds):
-        outside = tuple(CriticalRecord(critical, None, None, line, False) for critical, line, _ in peaks)
+        outside = tuple(JudgedCritical(critical, None, None, line, False) for critical, line, _ in peaks)
         return ConditionPeaks(check, check, None, outside, ())
     points = limits_at(drivetrain, speeds) if refine else check
     index = _index(points, inside[0]) if inside else None

@@ -359,7 +359,7 @@ def _change(quantity: str, places_of_values: dict[str, list[str]]) -> str:
     return joined(" ", (phrase(quantity), joined("; ", each)))
 
 
-def _values(sheet: MassElasticTable) -> dict[tuple[str, str], str]:
+def _mass_elastic_values(sheet: MassElasticTable) -> dict[tuple[str, str], str]:
     """Text of every value of a mass-elastic table, by its column and the mass or shaft it is of."""
     texts: dict[tuple[str, str], str] = {}
     whole = sheet.table()
