@@ -57,7 +57,7 @@ def torque_over_time(
 def _over(law: MotionLaw, twist: FloatArray, rate: FloatArray) -> FloatArray:
     curve, scale = law.curve, float(law.scale)
     if not isinstance(curve, PieceCurve):
-        return CurveForce(law).over(twist.ravel(), rate.ravel()).torque.reshape(twist.shape)
+        return CurveForce(law).answer_to(twist.ravel(), rate.ravel()).torque.reshape(twist.shape)
     slopes = [one for one in curve.pieces if isinstance(one, Slope)]
     ends = [after.lower if after.lower is not None else before.upper for before, after in pairwise(slopes)]
     piece = np.searchsorted(np.array([float(one) for one in ends]), twist if curve.over == "twist" else rate)
@@ -85,7 +85,7 @@ def slider_torque(stiffness: float, torque: float, twist: FloatArray) -> FloatAr
 
 def _steady_slider(stiffness: float, torque: float, twist: FloatArray) -> FloatArray:
     """Torque (n, N) in N m of friction behind a spring over a period of each of n steady twists."""
-    return np.stack([SliderForce(stiffness, torque).over(one, None).torque for one in twist])
+    return np.stack([SliderForce(stiffness, torque).answer_to(one, None).torque for one in twist])
 
 
 def stiffness_by_harmonics(
