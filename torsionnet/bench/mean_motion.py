@@ -126,6 +126,7 @@ def mean_readings(
     at = np.unique(np.asarray(speeds, dtype=float))
     values = np.zeros((len(at), len(sensors)))
     notes: list[str] = []
+    # Angles and speeds follow the speed of the shaft by their ratio; torques and stresses have means of their own.
     carried = [place for place, quantity in enumerate(quantities) if quantity not in ROTATION]
     if carried:
         asked = [sensor for place, sensor in enumerate(sensors) if place in carried]

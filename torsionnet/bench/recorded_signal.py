@@ -100,6 +100,7 @@ def _limited(set_point: FloatArray, exciter: Exciter) -> tuple[FloatArray, tuple
             notes.append(warning(f"set-point clipped at the {what} of {limit:g} N*m {share}; {peak}"))
             set_point = np.clip(set_point, -limit, limit)
     if exciter.bits is not None:
+        # The range from -full_scale to full_scale in 2^bits steps.
         set_point = quantised(set_point, 2 * not_none(exciter.full_scale) / 2**exciter.bits)
     return set_point, tuple(notes)
 

@@ -149,6 +149,7 @@ def further_criticals(subject: ReportData) -> TableBlock | Paragraph | None:
         )
         for peaks in subject.further_peaks
     ]
+    # The worst of each order at each mode, the normal condition among all others.
     worst = _worst(record for records in (first, *(those for _, those in kept)) for record in records)
     columns = (
         Heading("Order"), *COMMON, Heading("Component"), Heading("Case"), *VALUES,

@@ -107,6 +107,7 @@ def propeller_dampings(case: Case, records: Sequence[JudgedCritical]) -> Iterato
     if not laws or not definition.follows_speed or definition.speeds is None or not len(speeds):
         return
     dampings: dict[str, list[float]] = {name: [] for name in laws}
+    # Such a law has another damping at each critical speed.
     for rig, places in drivetrains_at_speeds(case.drivetrain, definition.speeds.of, speeds):
         for owner, law in zip(rig.assembly.owners, rig.assembly.laws, strict=True):
             if owner in dampings:
@@ -193,6 +194,7 @@ def cancelling_cylinders(subject: ReportData, records: Sequence[JudgedCritical])
         star = record.critical.star
         if star is None or record.critical.case or not isinstance(excitations[star.excitation], ReciprocatingEngine):
             continue
+        # In phase, the vectors of the star would add up to the sum of their lengths.
         whole = float(abs(star.vectors).sum())
         if abs(star.sum) < CANCELLING * whole:
             template = "{order}, mode {mode} ({share:.2g} %)"

@@ -93,6 +93,7 @@ def _without_rounding(holzer: HolzerTable) -> HolzerTable:
     """Copy of a Holzer table in which masses that only rounding moves stand still."""
     stations = [station for branch in holzer.branches for station in branch.stations]
     least = ROUNDED_AMPLITUDE * max(abs(station.amplitude) for station in stations)
+    # Where a branch ends, the sum of its torques is 0 but for rounding.
     torque = NEGLIGIBLE_TORQUE * max(abs(station.torque) for station in stations)
 
     def cleaned(station: HolzerStation) -> HolzerStation:

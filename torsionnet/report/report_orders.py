@@ -82,6 +82,7 @@ def other_table(others: Sequence[tuple[Case, str]]) -> TableBlock:
     rows: list[tuple[Cell, ...]] = []
     for case, name in others:
         excitation = case.drivetrain.definition.excitations[name]
+        # Torques in kN m; an imposed motion is an angle.
         factor, shown = (KILO, unit("kN*m")) if excitation.quantity == "torque" else (math.degrees(1), "deg")
         rows += [
             (

@@ -127,6 +127,7 @@ def _check(
     asked = excitations if excitations is None or isinstance(excitations, str) else tuple(excitations)
     examined = ExaminedSpeeds.of(drivetrain, speeds, excitations=asked, refine=refine, nonlinear=nonlinear)
     examination = _Examination(drivetrain, subject, chosen, asked, examined)
+    # Where the values allowed jump or bend, the speed itself is examined.
     breaks = np.array([speed for limit in chosen.values() for speed in limit.breaks(subject)])
     curves, verdicts = examination.examined(examined.first(breaks))
     run, evidence = curves.run, curves.evidence

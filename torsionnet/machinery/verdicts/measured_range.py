@@ -216,6 +216,7 @@ def measured_ranges(
             scale = _factor(orders, sensors, factor, drivetrain)
             if scale is None or orders.half_range is None:
                 continue
+            # A run-down is measured from high speeds to low ones; the ranges above the limit need rising speeds.
             rising = np.argsort(orders.speeds, kind="stable")
             beside = measured_range(
                 check, verdict, orders.name, orders.speeds[rising], orders.half_range[rising] * scale

@@ -261,6 +261,7 @@ def _throw_table(subject: ReportData, use: ComponentUse) -> Iterator[Block]:
         cells.append([*aligned_numbers([float(size) * scale for size in rated.half_range[0]])])
     sizes = worst.drivetrain.order_response(sensors, speeds=check.speeds).half_range
     used = utilisation_of(sizes.T, use.worst.verdict.allowed).T
+    # The speed where each throw uses the limit most; NaN where the limit says nothing of a speed.
     top = np.nan_to_num(used, nan=-1.0).argmax(axis=0)
     columns += [
         Heading("Largest half range", unit(shown), numeric=True),

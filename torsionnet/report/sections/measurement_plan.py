@@ -349,6 +349,7 @@ def _place_table(
     first = [number == 0 or rows[number - 1].speed != row.speed for number, row in enumerate(rows)]
     at = [int(np.argmin(abs(run.speeds - row.speed))) for row in rows]
     has_stress = len(_stress(case, place)) > 0
+    # Stresses from Pa to N/mm^2.
     stress = [float(run.half_range[row_at, 1]) * 1e-6 if has_stress else None for row_at in at]
     places = [run.output(str(sensor)) for sensor in ends]
     judged = [float(run.half_range[row_at, places].max()) * factor * 1e-6 if places else None for row_at in at]
@@ -358,10 +359,10 @@ def _place_table(
         [f"{row.order:.4g}" for row in rows],
         [as_words(row.name) for row in rows],
         list(aligned_numbers([row.amplitude * scale for row in rows], 3)),
-        list(aligned_numbers([None if row_at is None else row_at * scale for row_at in tests], 3))
+        list(aligned_numbers([None if test is None else test * scale for test in tests], 3))
         if measured
         else [""] * len(rows),
-        [_deviation(row, row_at) for row, row_at in zip(rows, tests, strict=True)] if measured else [""] * len(rows),
+        [_deviation(row, test) for row, test in zip(rows, tests, strict=True)] if measured else [""] * len(rows),
         _once(aligned_numbers([row.half_range * scale for row in rows], 3), first),
         _once(aligned_numbers(stress, 3), first) if has_stress else [""] * len(rows),
         _once(aligned_numbers(judged, 4), first) if places else [""] * len(rows),

@@ -273,6 +273,7 @@ def _comparisons(subject: ReportData) -> Iterator[tuple[Cell, ...]]:
                 )
             except UsageError:
                 return
+            # Where the response is exactly 0, the difference stays finite.
             size = np.maximum(np.abs(second), 1e-300)
             worst = max(worst, float(np.max(np.abs(first - second) / size)))
         text = (
