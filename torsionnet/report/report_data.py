@@ -17,7 +17,7 @@ from torsionnet.base.errors import UsageError
 from torsionnet.base.phrases import phrase
 from torsionnet.linear.assembly.table_range import TableReads
 from torsionnet.linear.dynamic_stiffness.transfer_request import usable_channels
-from torsionnet.linear.frequency_response import FrequencyResponse
+from torsionnet.linear.frequency_response import FloatArray, FrequencyResponse
 from torsionnet.linear.modes.modes import Modes
 from torsionnet.linear.responses.grid import Adaptive, vibration_range
 from torsionnet.machinery.verdicts.margin_rules import PRESETS
@@ -30,7 +30,6 @@ from torsionnet.report.report_text import as_words
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.linear.assembly.assembled import AssembledModel
-    from torsionnet.linear.frequency_response import FloatArray
     from torsionnet.machinery.criticals.critical_speeds import CriticalSpeeds
     from torsionnet.machinery.holzer.holzer import CountedVibration
     from torsionnet.machinery.orders.order_line import OrderLine
@@ -520,10 +519,8 @@ def _vibrate_alike(rig: Drivetrain, other: Drivetrain) -> bool:
     mine, theirs = rig.assembly, other.assembly
     if (mine.nodes, mine.laws, mine.exact_rows) != (theirs.nodes, theirs.laws, theirs.exact_rows):
         return False
-    return (
-        mine.node_rows.maps == theirs.node_rows.maps
-        and rig.definition.operating_point == other.definition.operating_point
-    )
+    same_point = rig.definition.operating_point == other.definition.operating_point
+    return same_point and mine.node_rows.maps == theirs.node_rows.maps
 
 
 def _derived(rig: Drivetrain) -> dict[str, str]:
