@@ -124,7 +124,7 @@ def _harmonics(name: str, text: str) -> dict[int, complex]:
 def _initial_state(states: Sequence[str]) -> str | MotionStart | None:
     """State in which simulations begin: a word, or angles and speeds from "NODE=ANGLE,SPEED"; None without one.
 
-    >>> _start(["a=0.1,0", "b=0,-2"])
+    >>> _initial_state(["a=0.1,0", "b=0,-2"])
     MotionStart(angles={'a': 0.1, 'b': 0.0}, speeds={'a': 0.0, 'b': -2.0})
     """
     from torsionnet.motion.contact_states import MotionStart
