@@ -100,8 +100,13 @@ class Editor:
 
 def finished(work):
     """Result of asynchronous work, done in a thread of its own: in this one a browser of another test may have a loop."""
+    return in_own_thread(asyncio.run, work)
+
+
+def in_own_thread(call, *arguments):
+    """Result of a call in another thread, which has no loop of events."""
     with ThreadPoolExecutor(1) as pool:
-        return pool.submit(asyncio.run, work).result()
+        return pool.submit(call, *arguments).result()
 
 
 def session(folder, talk, encodings=None):
@@ -704,7 +709,7 @@ def answers_here(sent):
             """Keep what was written."""
 
     written = Written()
-    code = serve(io.BytesIO(sent), written)
+    code = in_own_thread(serve, io.BytesIO(sent), written)
     return messages(written.getvalue()), code
 
 

@@ -374,14 +374,14 @@ def test_levels_of_several_conditions_are_those_of_each():
     points = np.array([12.0, 30.0, 160.0 + 12.0, 160.0 + 75.0])
     np.testing.assert_array_equal(worst.condition(points), [0, 0, 1, 1])
     np.testing.assert_allclose(worst.shown(points), [12, 30, 12, 75])
-    for function in ("at", "slopes"):
+    for function in ("sizes_at", "slopes"):
         each = [
             getattr(part, function)(values, points[2 * place : 2 * place + 2] - 160 * place)
             for place, part in enumerate(parts)
         ]
         np.testing.assert_allclose(getattr(worst, function)(values, points), np.concatenate(each), rtol=1e-12)
     maxima = worst.maxima(values)
-    assert (np.diff(worst.at(values, maxima)) <= 0).all()
+    assert (np.diff(worst.sizes_at(values, maxima)) <= 0).all()
     expected = np.sort(np.concatenate([part.maxima(values) for part in parts]))
     np.testing.assert_allclose(np.sort(worst.shown(maxima)), expected, rtol=1e-9)
 

@@ -176,7 +176,8 @@ def power_over_receptance(output: Channel, input: Channel) -> int:
     Angles over torques, angles over angles and torque ratios have that form themselves; velocities and accelerations
     have s and s^2 in front. A torque over an angle grows like an acceleration.
 
-    >>> power(Channel("a", "rad/s^2"), Channel("T", "N*m")), power(Channel("T", "N*m"), Channel("a", "rad/s^2"))
+    >>> angle, torque = Channel("a", "rad/s^2"), Channel("T", "N*m")
+    >>> power_over_receptance(angle, torque), power_over_receptance(torque, angle)
     (2, 0)
     """
     for channel in (output, input):

@@ -73,14 +73,15 @@ def _over(law: MotionLaw, twist: FloatArray, rate: FloatArray) -> FloatArray:
 def slider_torque(stiffness: float, torque: float, twist: FloatArray) -> FloatArray:
     """Torque (n,) in N m of friction of a torque behind a spring along a twist in rad; at first the spring is slack.
 
-    >>> slider_torque(100.0, 2.0, np.array([0.0, 0.01, 0.03, 0.02])).tolist()
+    >>> slider_torque(128.0, 2.0, np.array([0.0, 1, 3, 2]) / 128).tolist()
     [0.0, 1.0, 2.0, 1.0]
     """
-    most, foot, found = torque / stiffness, float(twist[0]), np.empty(len(twist))
-    for place, one in enumerate(twist.tolist()):
-        foot = min(max(foot, one - most), one + most)
-        found[place] = one - foot
-    return stiffness * found
+    most, foot, strains = torque / stiffness, float(twist[0]), np.empty(len(twist))
+    for place, angle in enumerate(twist.tolist()):
+        # The far end of the spring is dragged along once the torque reaches its limit.
+        foot = min(max(foot, angle - most), angle + most)
+        strains[place] = angle - foot
+    return stiffness * strains
 
 
 def _steady_slider(stiffness: float, torque: float, twist: FloatArray) -> FloatArray:

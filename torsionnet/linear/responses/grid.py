@@ -116,7 +116,7 @@ def opening_range(*modes: Modes) -> tuple[float, float]:
 def round_number(value: float, *, up: bool) -> float:
     """Next round number of the series 1, 2, 5 times a power of ten, up or down from a value.
 
-    >>> rounded(0.71, up=False), rounded(162, up=True)
+    >>> round_number(0.71, up=False), round_number(162, up=True)
     (0.5, 200.0)
     """
     decade = 10.0 ** math.floor(math.log10(value))

@@ -127,7 +127,7 @@ def far_beyond(known: Sequence[float], wanted: FloatArray, share: float = PRESSU
 
     Examples
     --------
-    >>> [beyond([2e5, 27e5], np.array([27e5, 27.03e5]), share).tolist() for share in (0.005, 0.001)]
+    >>> [far_beyond([2e5, 27e5], np.array([27e5, 27.03e5]), share).tolist() for share in (0.005, 0.001)]
     [[False, False], [False, True]]
     """
     return np.asarray((wanted < known[0] * (1 - share)) | (wanted > known[-1] * (1 + share)))

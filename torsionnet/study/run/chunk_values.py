@@ -140,7 +140,7 @@ class JoinedValues:
 def widest_span(read: Sequence[FloatArray]) -> FloatArray:
     """Lowest and highest of several pairs (2,) of frequencies in Hz, :data:`NOTHING_READ` without any.
 
-    >>> widest([np.array([2.0, 5.0]), np.array(NOTHING_READ), np.array([3.0, 9.0])]).tolist()
+    >>> widest_span([np.array([2.0, 5.0]), np.array(NOTHING_READ), np.array([3.0, 9.0])]).tolist()
     [2.0, 9.0]
     """
     low, high = np.array([NOTHING_READ, *read]).T
