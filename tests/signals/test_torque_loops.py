@@ -172,9 +172,11 @@ def test_something_elastic_in_series_with_the_friction_is_named():
     assert any("elastic in series with the friction" in note for note in notes)
 
 
-def test_a_stiff_adapter_between_the_sensors_is_named():
-    k, stiff, M = 500.0, 6000.0, 6.0
-    twist = 0.2 * course(4.6, 2000)[0]
+@pytest.mark.parametrize(("stiff", "samples", "sine"), [(6000.0, 2000, False), (12000.0, 800, True)])
+def test_a_stiff_adapter_between_the_sensors_is_named(stiff, samples, sine):
+    k, M = 500.0, 6.0
+    turn, sense = course(4.6, samples, sine=sine)
+    twist = 0.2 * turn
     own, torque = 0.0, []
     for one in twist:  # the component slips where adapter less spring exceed the friction
         own = float(np.clip(own, (stiff * one - M) / (k + stiff), (stiff * one + M) / (k + stiff)))
@@ -182,8 +184,8 @@ def test_a_stiff_adapter_between_the_sensors_is_named():
     noise = np.random.default_rng(2).normal(0, 0.1, len(twist))
     notes = loops(loop_record(np.array(torque) + noise, twist), "T", "gamma").notes
     (told,) = [str(note) for note in notes if "in series between the sensors" in str(note)]
-    assert float(re.search(r"behind ([\d.e+]+) N m/rad", told)[1]) == pytest.approx(stiff, rel=0.25)
-    rigid = k * twist + M * course(4.6, 2000)[1] + noise
+    assert float(re.search(r"behind ([\d.e+]+) N m/rad", told)[1]) == pytest.approx(stiff, rel=0.06)
+    rigid = k * twist + M * sense + noise
     assert not [note for note in loops(loop_record(rigid, twist), "T", "gamma").notes if "series" in str(note)]
 
 

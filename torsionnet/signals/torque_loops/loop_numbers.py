@@ -42,6 +42,8 @@ TIES = 1e-9
 """Noise of a signal that shows none, as a share of its range."""
 BEHIND = 0.04
 """Share of the swing behind a reversal in which the torque is looked at as it crosses to the other branch."""
+NEXT = 4
+"""Samples at a reversal whose distance is that within which a torque jumps."""
 HELD, LONG_HELD = 0.005, 0.1
 """Shares of the swing from the highest twist within which it is held, and of a cycle for which it is held at least: a
 sine stays there for a twentieth."""
@@ -324,11 +326,12 @@ def loop_of(
 def _crossing(record: LoopRecord, cycles: Sequence[Cycle], each: Sequence[JoinedLines]) -> LoopValue:
     """Twist behind a reversal in which the torque crosses from a branch to the other, by the area between them.
 
-    A torque that jumps crosses within the distance of two samples, which is taken off.
+    A torque that jumps crosses within the distance of two samples, which is taken off; of one that crosses over many
+    samples the area is right.
     """
     found = []
     for one, lines in zip(cycles, each, strict=True):
-        lengths = []
+        lengths, steps = [], []
         for at, sense, tip in ((one.first, 1.0, one.low), (one.top, -1.0, one.high)):
             smooth = sense * (record.twist[at : at + (one.last - one.first) // 4] - tip)
             near = np.arange(at, at + max(2, int(np.argmax(smooth > BEHIND * one.swing))))
@@ -336,9 +339,10 @@ def _crossing(record: LoopRecord, cycles: Sequence[Cycle], each: Sequence[Joined
             friction = lines.friction[lines.piece(twist)]
             past = np.maximum(sense * (twist - tip), 0.0)
             left = sense * (lines.torque(twist) - torque) + friction  # 2 M at the reversal, 0 behind it
-            step = float(np.diff(past).mean())
-            lengths.append(float(np.trapezoid(left, past)) / max(float(friction[0]), record.torque_noise) - step)
-        found.append(np.mean(lengths))
+            steps.append(float(np.diff(past[:NEXT]).mean()))  # there, as a sine turns slowly
+            lengths.append(float(np.trapezoid(left, past)) / max(float(friction[0]), record.torque_noise))
+        length, step = float(np.mean(lengths)), float(np.mean(steps))
+        found.append(length - (step if length <= step else step**2 / length))
     return mean_value(np.array(found), 0.0)
 
 

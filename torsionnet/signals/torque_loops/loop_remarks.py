@@ -124,8 +124,8 @@ def series_remarks(loops: Sequence[TorqueLoop]) -> list[NoteOrText]:
                 )
             )
         elif not one.bends and half is not None and crossing.value > half + CROSSING * one.amplitude.value:
-            # The branches are 2 M apart, which what is in series crosses while the component stands still.
-            stiffness = 2 * one.friction.value / crossing.value
+            # The component stands still until what is in series has crossed the 2 M to a branch that rises by k.
+            stiffness = 2 * one.friction.value / crossing.value + one.storage_stiffness.value
             found.append(
                 warning(
                     phrase(
