@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence, Sized
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -171,7 +171,7 @@ class Drivetrain(AssembledModel, AttributeHints):
         from torsionnet.model.elements.lumped_matrices import LumpedMatrices
 
         # What is no matrix is refused by the element.
-        count = (getattr(M, "shape", ()) or (len(M) if isinstance(M, Sized) else 1,))[0]
+        count = (getattr(M, "shape", None) or (len(M) if isinstance(M, list | tuple) else 1,))[0]
         nodes = [f"q{number}" for number in range(1, count + 1)] if names is None else list(map(str, names))
         element = LumpedMatrices.from_entries("matrices", nodes=nodes, inertia=M, damping=C, stiffness=K)
         return cls(name, [element], inputs=inputs, sensors=sensors)

@@ -127,6 +127,8 @@ def test_all_faults_at_once():
         tn.Drivetrain.from_matrices(np.eye(2), names=["a", "a"])
     with pytest.raises(tn.ModelError, match=r"elements\.e\.inertia: .*missing-entry"):
         tn.LumpedMatrices("e", nodes=["a"])
+    with pytest.raises(tn.ModelError, match=r"inertia: .*expected rows of numbers"):
+        tn.Drivetrain.from_matrices(np.array(2.0))
 
 
 def test_a_nearly_symmetric_matrix_is_taken_as_its_mean():
