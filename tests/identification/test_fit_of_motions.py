@@ -62,6 +62,15 @@ def test_a_decay_tells_spring_damping_and_friction():
     assert not fit.lack_of_fit.rejected
 
 
+def test_a_decay_without_a_torque_does_not_tell_its_scale():
+    """Stiffness, damping, friction and inertia that are all smaller by one factor move alike."""
+    time = np.arange(0, 1, 1 / RATE)
+    twist = decaying(time, **DECAY) + np.random.default_rng(1).normal(0, NOISE, len(time))
+    fit = fitted(decay_model(k=110, c=0.1, M=0.5), of_twist(twist), [*DECAY, "mass.inertia"])
+    assert fit.values["k"] / fit.values["mass.inertia"] == pytest.approx(DECAY["k"] / INERTIA, rel=1e-3)
+    assert fit.standard_errors["k"] == fit.standard_errors["mass.inertia"] == np.inf
+
+
 STAGES = {"k1": 460.0, "k2": 1500.0, "g1": 0.12, "M": 6.0}
 SCATTER = {"k1": 0.036e-2, "k2": 0.02e-2, "g1": 0.023e-2, "M": 0.13e-2}
 """Relative scatter over many records, of another implementation by branches."""
@@ -115,6 +124,16 @@ def test_what_equations_cannot_have_is_refused(said, kind):
     twist = decaying(np.arange(0, 1, 1 / RATE), **DECAY)
     with pytest.raises(UsageError) as caught:
         fitted(decay_model(k=140, c=0.06, M=0.35), of_twist(twist), ["k"], **said)
+    assert caught.value.kind == kind
+
+
+@pytest.mark.parametrize(
+    ("twist", "kind"),
+    [(np.full(500, 0.1), "too-short"), (np.arange(3.0), "too-short"), (np.full(500, np.nan), "not-finite")],
+)
+def test_records_without_motion_or_values_are_refused(twist, kind):
+    with pytest.raises(UsageError) as caught:
+        fitted(decay_model(k=140, c=0.06, M=0.35), of_twist(twist), ["k"])
     assert caught.value.kind == kind
 
 

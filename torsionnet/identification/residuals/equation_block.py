@@ -50,6 +50,7 @@ RESTING, MOST_RESTING = 0.05, 0.15
 out: friction at rest has any torque up to its own."""
 OTHER = 0.1
 """Variance that sampling and smoothing leave in each equation by itself, over that by noise."""
+TOO_SHORT = "the twist does not move for long enough to compare it with the equation of motion"
 DIFFERENCE = 1e-5
 """Relative step of the unknowns by which residuals are differenced."""
 
@@ -215,7 +216,16 @@ class EquationBlock(MeasurementBlock):
         late, p = extra.get("delay", 0.0), extra.get("gain", 1.0) * self.equation.rest(numbers).output
         twist, rate = (self._followed + late * one.rate) / p, (one.rate + late * one.bend) / p
         laws = self.equation.torque(numbers, twist, rate, one.step)
-        return self._bumped(laws, 0) + self._beside(np.array(numbers), extra)
+        return (self._bumped(laws, 0) + self._beside(np.array(numbers), extra)) * self._scale(values)
+
+    def _scale(self, values: FloatArray) -> float:
+        """Factor of the equations of a decay: each term grows with inertia and stiffness, and the least is none."""
+        one = self.equation
+        at_start, rest = one.rest(one.start.tolist()), one.rest(values[: len(one.names)].tolist())
+        if one.drives or not at_start.inertia:
+            return 1.0
+        gain = self._channel(values).get("gain", 1.0)
+        return float(abs(at_start.inertia / at_start.output * rest.output * gain / rest.inertia))
 
     def _beside(self, values: FloatArray, extra: dict[str, float]) -> FloatArray:
         """Terms (n_b,) in N m of the linear rest and of the torque."""
@@ -295,7 +305,7 @@ class EquationBlock(MeasurementBlock):
 
     def measured_noise(self, values: FloatArray) -> Noise | None:
         """Noise as twist and torque have it from sample to sample, at the stiffness found."""
-        found = np.diag(self._noise(values[: len(self.response.names)]))
+        found = np.diag(self._noise(values[: len(self.response.names)])) * self._scale(values) ** 2
         return Noise(found / np.diag(self.covariance), float(len(self.motion.twist)))
 
     def take_measured_noise(self, noise: Noise) -> None:
@@ -326,6 +336,11 @@ def equation_block(
     """
     twist = data[measurement.output].values
     torque = data[measurement.input].values if measurement.input else np.zeros(len(twist))
+    if not (np.isfinite(twist).all() and np.isfinite(torque).all()):
+        text = "torque and twist have samples without a value"
+        raise UsageError(f"{measurement.label}: {text}", kind="not-finite")
+    if len(twist) < 2 * SHORTEST or not np.ptp(twist):
+        raise UsageError(f"{measurement.label}: {TOO_SHORT}", kind="too-short")
     motion = MeasuredMotion.of(twist, torque, 1 / data.sampling_rate)
     names = parameters_of_drivetrain(rig, parameters)
     try:
@@ -340,8 +355,7 @@ def equation_block(
         # What the spring held before the record is forgotten once the friction has slipped both ways.
         places = places[places > 2 * motion.half_period]
     if not len(places):
-        text = "the twist does not move for long enough to compare it with the equation of motion"
-        raise UsageError(f"{measurement.label}: {text}", kind="too-short")
+        raise UsageError(f"{measurement.label}: {TOO_SHORT}", kind="too-short")
     response: Any = equation
     return EquationBlock(measurement, response, motion=motion, places=places, bumps=bumps)
 
