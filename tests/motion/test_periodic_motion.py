@@ -11,10 +11,12 @@ from support.periodic_rigs import branch_over, duffing, problem, swing, two_stag
 import torsionnet as tn
 from torsionnet.base.errors import UsageError
 from torsionnet.base.expressions import FLOAT
+from torsionnet.identification.residuals.laws_over_time import slider_torque
 from torsionnet.model.channels import Input
 from torsionnet.model.elements import MotionLaw, Values
 from torsionnet.model.motion_laws.describing_functions import describing_function, slider_describing_function
 from torsionnet.motion.periodic.condensed import CondensedPlant
+from torsionnet.motion.periodic.law_forces import SliderForce
 
 SWING = 1e-5
 """Share of a swing to which the harmonics chosen have to give it."""
@@ -116,3 +118,12 @@ def test_mean_torques_have_to_balance_on_what_turns_freely():
     plant.require_balance(np.array([25.0, -25.0]))
     with pytest.raises(UsageError, match="unbalanced-torques"):
         plant.require_balance(np.array([25.0, -20.0]))
+
+
+@pytest.mark.parametrize("third", [0.0, 0.003, 0.003j, -0.003j])
+def test_friction_behind_a_spring_is_that_of_a_course_whichever_sample_is_the_top(third):
+    """Of two samples at one height beside the top, and of a top that comes after the bottom in the period."""
+    phi = 2 * np.pi * (np.arange(256) + 0.5) / 256
+    twist = (0.1 * np.exp(1j * phi) + third * np.exp(3j * phi)).real
+    course = slider_torque(400.0, 3.0, np.tile(twist, 2))
+    np.testing.assert_allclose(SliderForce(400.0, 3.0).answer_to(twist, None).torque, course[256:], atol=1e-9)

@@ -214,7 +214,10 @@ class SliderForce:
     def answer_to(self, x: FloatArray, rate: FloatArray | None) -> LawAnswer:
         del rate
         n, k, most = len(x), self.stiffness, self.torque
-        turns = np.flatnonzero((x - np.roll(x, 1)) * (np.roll(x, -1) - x) < 0)
+        # Neighbours may be equal, as on both sides of a top: the twist turns where it moves on the other way.
+        ahead = np.sign(np.roll(x, -1) - x)
+        moving = np.flatnonzero(ahead)
+        turns = moving[ahead[moving] != np.roll(ahead[moving], 1)]
         if not len(turns) or k * (x.max() - x.min()) <= 2 * most:  # it sticks for good, from the middle of its swing
             return LawAnswer(k * (x - (x.max() + x.min()) / 2), np.full(n, k))
         # From the largest twist on, where it slips, monotone from reversal to reversal.
@@ -223,7 +226,7 @@ class SliderForce:
         last, at = most, int(order[0])
         since: list[tuple[NDArray[np.bool_], int]] = []
         mask = np.zeros(n, dtype=bool)
-        for start, end in pairwise([*order.tolist(), int(order[0]) + n]):
+        for start, end in pairwise([*order.tolist(), int(order[0])]):
             own = np.arange(start, end if end > start else end + n) % n
             free = last + k * (x[own] - x[start])
             torque[own] = np.clip(free, -most, most)
