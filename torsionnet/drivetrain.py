@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -12,7 +11,6 @@ from typing import TYPE_CHECKING, Any, Self
 from torsionnet.base.errors import Fault, ModelError
 from torsionnet.base.packages import AttributeHints, LazyMethod
 from torsionnet.linear.assembly.assembled import AssembledModel
-from torsionnet.model.checks import variants
 from torsionnet.model.definition import Definition
 from torsionnet.model.files.reader import find_model, read_file, read_text
 
@@ -323,20 +321,3 @@ def _drivetrain(definition: Definition | None, faults: list[Fault], title: str) 
     if definition is None:
         raise ModelError([fault for fault in faults if fault.severity == "error"], title)
     return Drivetrain.from_definition(definition, faults)
-
-
-def unstable_configurations(definition: Definition) -> list[Fault]:
-    """Warnings about modes of a model that grow, in all its configurations.
-
-    None, and nothing numerical is loaded, if no element can feed energy into a vibration.
-    """
-    found: list[Fault] = []
-    for name, variant in (("", definition), *variants(definition)):
-        if not any(element.may_feed for element in variant.active):
-            continue
-        from torsionnet.linear.modes.stability import unstable_modes
-
-        known = {(fault.message, fault.path) for fault in found}
-        faults = unstable_modes(Drivetrain.from_definition(variant))
-        found += [replace(one, configuration=name) for one in faults if (one.message, one.path) not in known]
-    return found

@@ -127,7 +127,7 @@ def _slopes(seed: str, drawn: Plant, rig: tn.Drivetrain, f: list[float], finding
     output, source = chance.choice(list(drawn.outputs)), chance.choice(list(drawn.inputs))
     row, column = list(drawn.outputs).index(output), list(drawn.inputs).index(source)
     function = parametric_response(rig, output, source, np.array(sorted(f)), names)
-    found = function.at([drawn.parameters[name] for name in names])
+    found = function.evaluation([drawn.parameters[name] for name in names])
     values, slopes = found.values, found.jacobian
     for index, name in enumerate(names):
         step = arb(drawn.parameters[name]) * arb("1e-30")

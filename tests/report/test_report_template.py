@@ -14,6 +14,7 @@ from support.models import EVERY_ELEMENT
 
 import torsionnet as tn
 from torsionnet.base.phrases import PLACEHOLDER, joined, phrase
+from torsionnet.machinery.verdicts.margin_rules import PRESETS
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, restriction_words
 from torsionnet.model.element_base.viscoelastic import RUBBER_SHAPES, FilmGap, Viscoelastic
 from torsionnet.model.elements import ELEMENT_TYPES
@@ -223,6 +224,7 @@ class TestWords:
             as_words(name).lower() for cls in ELEMENT_TYPES.values() for name, _ in cls.specs()
         }
         words |= {f"{word} " for word in words} | {"input", "sensor", "rigid body", "real pole", "error", "warning", "note", *(f"{q} {o} " for q in ("torque", "angle", "velocity", "acceleration", "twist") for o in ("on", "of", "through"))}  # fmt: skip
+        words |= {piece.lower() for rule in PRESETS.values() for piece in str(rule).split("; ")}
         nested = (Viscoelastic, FilmGap, *RUBBER_SHAPES.values())
         words |= {as_words(name).lower() for cls in nested for name, _ in cls.specs()}
         for text in TEXTS:

@@ -379,7 +379,7 @@ def load_model(model: str) -> Drivetrain:
 
 def checked_model(model: str) -> list[Fault]:
     """Errors, warnings and notes on a model, also on unstable modes in any of its configurations."""
-    from torsionnet.drivetrain import unstable_configurations
+    from torsionnet.app.text.unstable_configurations import unstable_configurations
     from torsionnet.model.files import read_file
     from torsionnet.model.files.reader import read_text
 

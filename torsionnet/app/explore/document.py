@@ -18,9 +18,10 @@ from torsionnet.app.explore.session import ResponseChoice, Session, opening_stat
 from torsionnet.app.explore.sliders import point_settings
 from torsionnet.app.text.text_edits import TextEdit, TextLines, TextSpan
 from torsionnet.app.text.text_faults import LocatedFault, stretched_faults, text_faults
+from torsionnet.app.text.unstable_configurations import unstable_configurations
 from torsionnet.base.errors import Fault, TorsionnetError
 from torsionnet.base.registers import RecentResults
-from torsionnet.drivetrain import Drivetrain, unstable_configurations
+from torsionnet.drivetrain import Drivetrain
 from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.model.configurations import parse_choice
 from torsionnet.model.files.reader import read_text

@@ -10,10 +10,10 @@ from torsionnet.app.text.fixes.quick_fixes import quick_fixes
 from torsionnet.app.text.fixes.syntax_fixes import syntax_fixes
 from torsionnet.app.text.text_edits import TextFix, TextLines, TextSpan, WrittenText
 from torsionnet.app.text.tolerant_reading import tolerant_document
+from torsionnet.app.text.unstable_configurations import unstable_configurations
 from torsionnet.base.entries.declared import files_beside
 from torsionnet.base.errors import UNKNOWN_NAMES, EntryPath, Fault, ModelError, Position
 from torsionnet.base.packages import gc_paused
-from torsionnet.drivetrain import unstable_configurations
 from torsionnet.model.checks import names
 from torsionnet.model.defining import define
 from torsionnet.model.files.located_yaml import LocatedDocument, compose
