@@ -14,6 +14,8 @@ from support.models import EVERY_ELEMENT
 
 import torsionnet as tn
 from torsionnet.base.phrases import PLACEHOLDER, joined, phrase
+from torsionnet.machinery.limits.class_rule_shaft import SHAFTS
+from torsionnet.machinery.limits.m68_factors import FEATURES, STRENGTHS
 from torsionnet.machinery.verdicts.margin_rules import PRESETS
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, restriction_words
 from torsionnet.model.element_base.viscoelastic import RUBBER_SHAPES, FilmGap, Viscoelastic
@@ -225,6 +227,8 @@ class TestWords:
         }
         words |= {f"{word} " for word in words} | {"input", "sensor", "rigid body", "real pole", "error", "warning", "note", *(f"{q} {o} " for q in ("torque", "angle", "velocity", "acceleration", "twist") for o in ("on", "of", "through"))}  # fmt: skip
         words |= {piece.lower() for rule in PRESETS.values() for piece in str(rule).split("; ")}
+        words |= {f"{as_words(shaft)} shaft" for shaft in FEATURES} | {as_words(shaft) for shaft in SHAFTS}
+        words |= {f"{material.replace('_', '-')} steel" for material in STRENGTHS}
         nested = (Viscoelastic, FilmGap, *RUBBER_SHAPES.values())
         words |= {as_words(name).lower() for cls in nested for name, _ in cls.specs()}
         for text in TEXTS:
