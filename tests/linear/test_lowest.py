@@ -12,6 +12,7 @@ from torsionnet.linear.assembly.rows import Rows, RowSystem
 from torsionnet.linear.dynamic_stiffness.row_algebra import null_space
 from torsionnet.linear.modes import eigen
 from torsionnet.linear.modes.eigen import complex_modes, undamped_modes
+from torsionnet.linear.modes.pencil import Pencil
 
 
 def tree(seed, n, *, damped=True, geared=True, branched=True, massless=0, ground=0, loops=0, drag=False):
@@ -217,3 +218,16 @@ def test_large_drivetrain_has_the_same_words_and_energies(sparse_only):
     np.testing.assert_allclose(few.shapes, whole.shapes[:, :10], atol=1e-8)
     np.testing.assert_allclose(few.strain, whole.strain[:, :10], atol=1e-8)
     np.testing.assert_allclose(few.undamped_natural_frequencies, whole.undamped_natural_frequencies[:10], rtol=1e-9)
+
+
+def test_equal_eigenvalues_stay_real_in_every_combination_of_their_shapes():
+    """Three arms alike with k/J = .3/.7 against ground: rounding of eig moves the three off the axis."""
+    rng = np.random.default_rng(1)
+    system = RowSystem(Rows.of(np.eye(4)), np.array([0.7, 0.7, 0.7, 3.0]), np.zeros(4), np.array([0.3, 0.3, 0.3, 6.0]))
+    pencil = Pencil.of(system, undamped=True)
+    for _ in range(200):
+        shapes = np.eye(4)[:, :3] / pencil.scale[:, None] @ rng.normal(size=(3, 3))
+        steps, mixed = pencil.split(shapes, 0.3 / 0.7 * (1 + 1e-14))
+        assert np.isrealobj(steps)
+        assert np.abs(steps).max() < 1e-9
+        assert np.linalg.matrix_rank(mixed) == 3

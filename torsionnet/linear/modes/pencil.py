@@ -253,6 +253,11 @@ class Pencil:
         # Phi^T (D + step D') Phi y = 0, to first order about the center
         here, slope = (motion.T @ (law * motion) for law in (self.laws(at), self.slopes(at)))
         steps, mixed = np.linalg.eig(-np.linalg.solve(slope, here))
+        if self.undamped and not self.system.dynamic and steps.imag.any():
+            # Rounding makes pairs off the axis of equal eigenvalues; K - z M and M are symmetric: theirs are real.
+            from scipy.linalg import eigh
+
+            steps, mixed = eigh(here + here.T, -(slope + slope.T))
         # From numpy 2.5 on eig answers in complex numbers; real matrices with real eigenvalues have real combinations.
         return (steps.real, mixed.real) if np.isrealobj(here) and not steps.imag.any() else (steps, mixed)
 
