@@ -69,7 +69,7 @@ from torsionnet.model.elements import (
     Values,
     make_element,
 )  # fmt: skip
-from torsionnet.report.plan import SECTIONS
+from torsionnet.report.plan.report_plan import SECTIONS
 from torsionnet.report.wording import replaceable_texts
 
 SAMPLES = {

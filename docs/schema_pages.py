@@ -6,7 +6,7 @@ from typing import Any
 
 from page_parts import code, prose, table
 
-from torsionnet.model.files import json_schema
+from torsionnet.model.files.model_schema import json_schema
 
 ELSEWHERE = ("element_", "bench_")
 """Definitions that have pages of their own."""

@@ -45,7 +45,7 @@ _named, _attribute, _ = lazy_exports(
         "UsageError": "torsionnet.base.errors",
         "convert_damping": "torsionnet.model.damping",
         "identify": "torsionnet.identification",
-        "library_models": "torsionnet.model.files",
+        "library_models": "torsionnet.model.files.library",
         "load": "torsionnet.drivetrain",
         "load_bench": "torsionnet.bench",
         "load_campaign": "torsionnet.bench.campaign.campaign",

@@ -80,7 +80,7 @@ from torsionnet.model.elements.element_types import TunedDamper as TunedDamper
 from torsionnet.model.elements.element_types import Tyre as Tyre
 from torsionnet.model.elements.element_types import Vehicle as Vehicle
 from torsionnet.model.elements.element_types import ViscousDamper as ViscousDamper
-from torsionnet.model.files import library_models as library_models
+from torsionnet.model.files.library import library_models as library_models
 from torsionnet.report import write_report as write_report
 from torsionnet.study import load_study as load_study
 

@@ -276,7 +276,7 @@ class Drivetrain(AssembledModel, AttributeHints):
 
     def to_yaml(self, path: str | Path | None = None) -> str:
         """Text of the model as a model file, also written to ``path`` if given."""
-        from torsionnet.model.files import dump
+        from torsionnet.model.files.writer import dump
 
         return dump(self.definition, path)
 

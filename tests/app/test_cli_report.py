@@ -14,8 +14,10 @@ from support.written_models import CLUTCH
 
 import torsionnet as tn
 from torsionnet.app.cli.app import app
-from torsionnet.model.files import json_schema
-from torsionnet.report.plan import Pair, ReportPlan, parse_band
+from torsionnet.base.entries.scalars import parse_band
+from torsionnet.model.channels import Pair
+from torsionnet.model.files.model_schema import json_schema
+from torsionnet.report.plan.report_plan import ReportPlan
 
 MODEL = """\
 torsionnet: 1

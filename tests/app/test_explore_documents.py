@@ -411,7 +411,7 @@ class TestServices:
         assert page.ask("paste", table=text) == {"no_table": True}
 
     def test_library_models_are_no_tables(self, page):
-        from torsionnet.model.files import library_models
+        from torsionnet.model.files.library import library_models
 
         for path in library_models().values():
             assert page.ask("paste", table=path.read_text(encoding="utf-8")) == {"no_table": True}, path

@@ -11,8 +11,8 @@ import torsionnet as tn
 from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.bench.plan import Acquisition, Encoder, Exciter, Plan, Transducer
 from torsionnet.bench.recorded_signal import exciter_output, recorded_signal
-from torsionnet.model.files import json_schema, library_benches
-from torsionnet.model.files.library import library_folder
+from torsionnet.model.files.library import library_benches, library_folder
+from torsionnet.model.files.model_schema import json_schema
 from torsionnet.signals import PAPER, BurstRandom, LinearChirp, Recording, Signal, difference, estimate
 from torsionnet.signals.excitation import LogarithmicSweep, Multisine, SteppedSine
 from torsionnet.signals.order_tracking import sweep_harmonics

@@ -19,8 +19,7 @@ from torsionnet.base.expressions import ExpressionError
 from torsionnet.base.number_text import json_finite
 from torsionnet.identification.fit_file import load_fit_plan
 from torsionnet.io import read_frequency_response, read_tors
-from torsionnet.model.files import dump
-from torsionnet.model.files.writer import flat_text
+from torsionnet.model.files.writer import dump, flat_text
 from torsionnet.report import make_report
 from torsionnet.signals import check_recording, read_recording
 from torsionnet.study.run.run_chunks import run_study

@@ -15,7 +15,7 @@ import torsionnet as tn
 from fuzz import reuse, running
 from torsionnet.io import write_frequency_response
 from torsionnet.io.tors_writing import to_tors
-from torsionnet.model.files import library_models
+from torsionnet.model.files.library import library_models
 from torsionnet.signals import write_recording
 
 RIG = """\

@@ -19,8 +19,9 @@ from torsionnet.io import to_modelica
 from torsionnet.io.matlab import matrices
 from torsionnet.linear.sensitivity.parametric import parametric_response
 from torsionnet.model.channels import Input, Sensor
-from torsionnet.model.files import dump, json_schema
+from torsionnet.model.files.model_schema import json_schema
 from torsionnet.model.files.reader import read_text
+from torsionnet.model.files.writer import dump
 from torsionnet.model.overview import channels_table
 
 CAR = Path(__file__).parents[1] / "plants" / "front_wheel_drive_car.yaml"

@@ -14,8 +14,9 @@ from torsionnet.io import to_modelica
 from torsionnet.linear.modes.mode_pairs import referred_shapes
 from torsionnet.linear.sensitivity.parametric import parametric_response
 from torsionnet.model.channels import Sensor
-from torsionnet.model.files import dump, json_schema
+from torsionnet.model.files.model_schema import json_schema
 from torsionnet.model.files.reader import read_text
+from torsionnet.model.files.writer import dump
 
 F = np.array([0.4, 3.0, 8.0, 30.0])
 TAU = 2.5

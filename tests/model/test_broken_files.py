@@ -6,9 +6,8 @@ from support.faults import is_as_expected
 
 from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.drivetrain import load, loads
-from torsionnet.model.files import read_file
 from torsionnet.model.files.located_yaml import PythonParser, compose
-from torsionnet.model.files.reader import read_text
+from torsionnet.model.files.reader import read_file, read_text
 
 
 def test_base_is_sound():

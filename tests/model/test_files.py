@@ -42,10 +42,11 @@ from torsionnet.model.elements import (
     Spring,
     TabulatedSpring,
 )
-from torsionnet.model.files import dump, json_schema, library_entry, library_models, read_file
+from torsionnet.model.files.library import library_entry, library_models
 from torsionnet.model.files.located_yaml import PythonParser, compose, plain_value
-from torsionnet.model.files.reader import read_text
-from torsionnet.model.files.writer import scalar_text
+from torsionnet.model.files.model_schema import json_schema
+from torsionnet.model.files.reader import read_file, read_text
+from torsionnet.model.files.writer import dump, scalar_text
 
 LIBRARY = Path(__file__).parents[2] / "library"
 HEAD = "torsionnet: 1\nname: m\n"
@@ -280,9 +281,7 @@ def test_what_only_follows_from_an_unreadable_entry_is_not_reported():
 
 @pytest.mark.slow
 def test_reading_imports_nothing_heavy():
-    program = (
-        "import sys; from torsionnet.model.files import read_file; assert read_file('amt_rig')[0]; print(*sys.modules)"
-    )
+    program = "import sys; from torsionnet.model.files.reader import read_file; assert read_file('amt_rig')[0]; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, check=True, text=True)
     heavy = {
         "numpy",

@@ -258,7 +258,7 @@ def test_the_schema_knows_parts():
     import jsonschema
     import yaml
 
-    from torsionnet.model.files import json_schema
+    from torsionnet.model.files.model_schema import json_schema
 
     validator = jsonschema.Draft202012Validator(json_schema())
     for text in (MODEL, CHAIN):

@@ -8,9 +8,9 @@ from fuzz.mutating import mutated
 
 from torsionnet.base.errors import ModelError
 from torsionnet.drivetrain import loads
-from torsionnet.model.files import dump, library_models
-from torsionnet.model.files.library import decode
+from torsionnet.model.files.library import decode, library_models
 from torsionnet.model.files.reader import read_text
+from torsionnet.model.files.writer import dump
 
 NAMES = ("amt_rig", "six_cylinder_diesel", "planetary_set", "drill_string")  # configurations, tables of many shapes
 TEXTS = [library_models()[name].read_text(encoding="utf-8") for name in NAMES]

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 
 from torsionnet.app.cli.app import app
 from torsionnet.base.errors import UsageError
-from torsionnet.model.files import library_studies
+from torsionnet.model.files.library import library_studies
 from torsionnet.study import load_study, run_study
 from torsionnet.study.space.space import Space
 

@@ -143,11 +143,9 @@ def test_what_is_not_imported_is_there(module):
 ONLY_DECLARED = {
     "torsionnet/base/errors.py",  # nothing is wrong with the rigs
     "torsionnet/model/element_base/spring_stages.py",  # entries of springs that are not linear
-    "torsionnet/model/files/__init__.py",
     "torsionnet/model/parts/part_entries.py",  # sections of a model file
     "torsionnet/model/parts/part_table.py",
-    "torsionnet/report/plan/__init__.py",  # the section of amt_rig
-    "torsionnet/report/plan/report_plan.py",
+    "torsionnet/report/plan/report_plan.py",  # the section of amt_rig
 }
 """Modules that the rigs load for what they declare."""
 
@@ -163,5 +161,5 @@ class TestCore:
         four, response = use_of(FOUR_CALLS), use_of(ONE_RESPONSE)
         assert len(four.loaded) <= 99
         assert four.code_lines <= 12_800
-        assert len(response.functions) <= 332
+        assert len(response.functions) <= 330
         assert len(response.files) <= 50

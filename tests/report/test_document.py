@@ -28,7 +28,7 @@ from torsionnet.report.document_tree import (
     TableBlock,
     inlines,
 )
-from torsionnet.report.plan import SECTIONS
+from torsionnet.report.plan.report_plan import SECTIONS
 from torsionnet.report.report_data import document_kind
 from torsionnet.report.report_request import Measured
 

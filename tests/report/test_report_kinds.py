@@ -6,7 +6,7 @@ from support.written_models import FAN
 
 import torsionnet as tn
 from torsionnet.report import make_report
-from torsionnet.report.plan import KINDS, SECTIONS
+from torsionnet.report.plan.report_plan import KINDS, SECTIONS
 from torsionnet.report.report_data import document_kind
 
 APPROVAL = {

@@ -14,7 +14,7 @@ import torsionnet as tn
 from torsionnet.machinery.holzer.holzer import natural_frequencies
 from torsionnet.report import make_report
 from torsionnet.report.critical_remarks import places_words
-from torsionnet.report.plan import LANGUAGES
+from torsionnet.report.plan.report_plan import LANGUAGES
 from torsionnet.report.template_reading import in_language, words_of
 from torsionnet.report.wording import Wording, Words, replaceable_texts
 from torsionnet.report.writers.html import html_page

@@ -11,7 +11,7 @@ from torsionnet.machinery.verdicts.operating_instructions import operating_instr
 from torsionnet.machinery.verdicts.range_passage import passage_table, range_passages
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Paragraph, Picture, TableBlock, inlines
-from torsionnet.report.plan import ReportPlan
+from torsionnet.report.plan.report_plan import ReportPlan
 
 pytestmark = pytest.mark.slow
 

@@ -16,7 +16,7 @@ from torsionnet.machinery.limits.society_rules import NOT_AT_HAND, SHAFT_SOCIETI
 from torsionnet.machinery.verdicts.shaft_margins import shaft_margins
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Heading, Math, TableBlock, TableGroup
-from torsionnet.report.plan import SECTIONS, ReportPlan
+from torsionnet.report.plan.report_plan import SECTIONS, ReportPlan
 from torsionnet.report.report_data import ReportData, cases_of
 from torsionnet.report.report_request import ReportRequest
 from torsionnet.report.rewording import in_society_words

@@ -8,7 +8,7 @@ from support.command_line import run
 
 import torsionnet as tn
 from torsionnet.report import make_report
-from torsionnet.report.plan import Revision, TitleBlock
+from torsionnet.report.plan.title_block import Revision, TitleBlock
 from torsionnet.report.writers.html import html_page
 from torsionnet.report.writers.latex import LatexWriter
 from torsionnet.report.writers.markdown import MarkdownWriter

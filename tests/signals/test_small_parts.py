@@ -11,7 +11,7 @@ from torsionnet.identification.fit_file import load_fit_plan
 from torsionnet.linear.dynamic_stiffness.many_digits import ManyDigits, _quotient
 from torsionnet.linear.dynamic_stiffness.transfer_request import resolve_request
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
-from torsionnet.model.files import library_benches
+from torsionnet.model.files.library import library_benches
 from torsionnet.signals import Recording, Signal, Welch, angle_from_pulses, estimate
 from torsionnet.signals.bandlimited import NEIGHBOURS, gaps_of
 from torsionnet.signals.comparison import agreement

@@ -33,7 +33,7 @@ LOOKS = re.compile(r"[A-Z][a-z]+( .*)?|[ ,;:].*[a-z]{2}.*|.*[a-z] $", re.DOTALL)
 
 def words_faults(root: Path, modules: Iterable[Module]) -> Iterator[Fault]:
     """Faults of all rules on the texts of reports of a checkout."""
-    from torsionnet.report.plan import LANGUAGES
+    from torsionnet.report.plan.report_plan import LANGUAGES
     from torsionnet.report.wording import replaceable_texts
 
     texts = [text for texts in replaceable_texts().values() for text in texts]

@@ -14,10 +14,9 @@ from torsionnet.bench.bench import Bench
 from torsionnet.bench.plan.bench_checks import check_plan
 from torsionnet.bench.plan.plan import BenchFile
 from torsionnet.drivetrain import Drivetrain, load
-from torsionnet.model.files import read_file
 from torsionnet.model.files.library import decode, library_benches
 from torsionnet.model.files.located_yaml import LocatedDocument, compose
-from torsionnet.model.files.reader import find_model, located_faults, presentable_faults
+from torsionnet.model.files.reader import find_model, located_faults, presentable_faults, read_file
 
 
 def load_bench(bench: str | os.PathLike[str]) -> Bench:

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from torsionnet.model.parts.part import Part
     from torsionnet.model.parts.use import Use
     from torsionnet.motion.scenarios.scenario import Scenario
-    from torsionnet.report.plan import ReportPlan
+    from torsionnet.report.plan.report_plan import ReportPlan
 
 LOAD = "load"
 """Prefix of the load's entries in a configuration, as in ``load.power``; no excitation can have this name."""

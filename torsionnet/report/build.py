@@ -10,7 +10,8 @@ from dataclasses import replace
 from torsionnet.base.errors import TorsionnetWarning
 from torsionnet.linear.assembly.table_range import told_of_reads
 from torsionnet.report.document_tree import Facts, Report, Section, Text, TitleTable
-from torsionnet.report.plan import SECTIONS, Revision, TitleBlock
+from torsionnet.report.plan.report_plan import SECTIONS
+from torsionnet.report.plan.title_block import Revision, TitleBlock
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_text import first_names, sentence
 

@@ -11,15 +11,17 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from torsionnet.base.entries.scalars import parse_band
 from torsionnet.base.errors import ModelError, UsageError, comma_list, did_you_mean, fault_of
 from torsionnet.base.nearby_files import files_recorded
 from torsionnet.base.version import __version__
 from torsionnet.drivetrain import load
+from torsionnet.model.channels import Pair
 from torsionnet.model.files.reader import find_model
 from torsionnet.report.document_tree import Report
 from torsionnet.report.measured_orders import measured_files
-from torsionnet.report.plan import KINDS, LANGUAGES, Pair, ReportPlan, TitleBlock, parse_band
-from torsionnet.report.plan.report_plan import unknown_section
+from torsionnet.report.plan.report_plan import KINDS, LANGUAGES, ReportPlan, unknown_section
+from torsionnet.report.plan.title_block import TitleBlock
 from torsionnet.report.report_data import ReportData, cases_of, digest_of, document_kind, require_answers
 from torsionnet.report.report_request import Measured, ReportRequest, read_date
 

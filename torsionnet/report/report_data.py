@@ -21,9 +21,9 @@ from torsionnet.linear.frequency_response import FloatArray, FrequencyResponse
 from torsionnet.linear.modes.modes import Modes
 from torsionnet.linear.responses.grid import Adaptive, vibration_range
 from torsionnet.machinery.verdicts.margin_rules import PRESETS
+from torsionnet.model.channels import Pair
 from torsionnet.model.condition_titles import ConditionTitles
 from torsionnet.model.configurations import label, parse_choice
-from torsionnet.report.plan import Pair
 from torsionnet.report.report_request import ReportRequest
 from torsionnet.report.report_text import as_words
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from torsionnet.base.errors import UsageError
-from torsionnet.report.plan import SECTIONS, Pair, ReportPlan
+from torsionnet.model.channels import Pair
+from torsionnet.report.plan.report_plan import SECTIONS, ReportPlan
 
 if TYPE_CHECKING:
     from torsionnet.identification import Fit

@@ -11,11 +11,10 @@ from torsionnet.base.errors import comma_list
 from torsionnet.base.number_text import MISSING_TYPESET, UNBROKEN_PERCENT, typeset_unit
 from torsionnet.base.phrases import PLACEHOLDER, Phrase, joined, phrase, with_values
 from torsionnet.base.units import RPM
-from torsionnet.model.channels import parse_sensor
+from torsionnet.model.channels import Pair, parse_sensor
 from torsionnet.model.condition_titles import ConditionTitles
 from torsionnet.model.definition import all_nodes
 from torsionnet.report.document_tree import Inline, Math, Text
-from torsionnet.report.plan import Pair
 from torsionnet.symbolic.symbol_names import GREEK, symbol_latex
 
 if TYPE_CHECKING:

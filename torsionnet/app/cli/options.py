@@ -380,8 +380,7 @@ def load_model(model: str) -> Drivetrain:
 def checked_model(model: str) -> list[Fault]:
     """Errors, warnings and notes on a model, also on unstable modes in any of its configurations."""
     from torsionnet.app.text.unstable_configurations import unstable_configurations
-    from torsionnet.model.files import read_file
-    from torsionnet.model.files.reader import read_text
+    from torsionnet.model.files.reader import read_file, read_text
 
     if model == STANDARD_INPUT:
         return read_text(standard_input_text(), STANDARD_INPUT_NAME, further=unstable_configurations)[1]

@@ -98,20 +98,17 @@ class _Taping:
     def _add(self, table: dict[Key, TapeQuantity], key: Key, term: TapeQuantity) -> None:
         table[key] = self.writer.plus(table.get(key), term)
 
-    def _link(self, slot: int) -> TapeQuantity:
-        """Dynamic stiffness in N m/rad of a row slot, as a quantity of the tape.
+    def _link(self, slot: int, added: TapeQuantity | None = None) -> TapeQuantity:
+        """Dynamic stiffness in N m/rad of a row slot, with a term ``added``, as a quantity of the tape.
 
         That of laws is not worked out before use.
         """
         if slot in self.fresh:
             self.fresh.discard(slot)
             self.links[slot] = TapeQuantity(self.writer.new(LAW, slot), 1.0)
+        if added is not None:
+            self.links[slot] = self.writer.plus(self.links.get(slot), added)
         return self.links[slot]
-
-    def _add_link(self, slot: int, term: TapeQuantity) -> None:
-        if slot in self.fresh:
-            self._link(slot)
-        self.links[slot] = self.writer.plus(self.links.get(slot), term)
 
     def _eliminated(self) -> Iterable[_Eliminated]:
         """Write the elimination of one coordinate after the other, and yield its shares and the motions of loads."""
@@ -119,7 +116,7 @@ class _Taping:
         for step in self.plan.steps:
             for slot, parts in step.handed_on:
                 for target, weight in parts:
-                    self._add_link(target, writer.times(self._link(slot), TapeQuantity(-1, weight)))
+                    self._link(target, added=writer.times(self._link(slot), TapeQuantity(-1, weight)))
             if not (step.shared or step.loads):
                 yield _Eliminated(step, {}, {})
                 continue
@@ -137,7 +134,8 @@ class _Taping:
                 shares = {i: writer.over(terms[i], S) for i in step.shared}
             # D' = sum_{i<j} factor s_i kappa_j b b^T.
             for i, j, factor, target in step.pairs:
-                self._add_link(target, writer.times(writer.times(shares[i], terms[j]), TapeQuantity(-1, factor)))
+                pair = writer.times(writer.times(shares[i], terms[j]), TapeQuantity(-1, factor))
+                self._link(target, added=pair)
             loads = {}
             for excitation, weights in enumerate(self.weights):
                 # w[target] += factor s_i w[slot]: loads on the coordinate pass on to other rows ...

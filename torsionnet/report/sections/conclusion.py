@@ -11,6 +11,7 @@ from torsionnet.linear.modes.modes import OSCILLATORY
 from torsionnet.machinery.verdicts.condition_peaks import little_damped
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, WorstLimit
 from torsionnet.machinery.verdicts.limit_verdict import OPEN, listed_names
+from torsionnet.model.channels import Pair
 from torsionnet.model.elements import Shaft
 from torsionnet.report.document_tree import (
     Block,
@@ -27,7 +28,6 @@ from torsionnet.report.document_tree import (
     TableGroup,
     Text,
 )
-from torsionnet.report.plan import Pair
 from torsionnet.report.report_data import Case, ReportData, is_damped
 from torsionnet.report.report_instructions import instruction_blocks
 from torsionnet.report.report_run_up import run_up_blocks

@@ -26,8 +26,8 @@ from torsionnet.report.document_tree import (
     TableBlock,
     Text,
 )
-from torsionnet.report.plan import SECTIONS
 from torsionnet.report.plan.report_checks import holds_speed
+from torsionnet.report.plan.report_plan import SECTIONS
 from torsionnet.report.report_conditions import alternative_words, load_words, speed_words, unexamined
 from torsionnet.report.report_cylinders import lost_torque_words
 from torsionnet.report.report_data import MOST_JUDGED_CASES, ReportData, normal_choice

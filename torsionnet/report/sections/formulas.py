@@ -10,6 +10,7 @@ import sympy
 from torsionnet.base.errors import UsageError
 from torsionnet.base.phrases import phrase
 from torsionnet.linear.frequency_response import FrequencyResponse
+from torsionnet.model.channels import Pair
 from torsionnet.report.document_tree import (
     Block,
     BreakableMath,
@@ -27,7 +28,6 @@ from torsionnet.report.document_tree import (
     Text,
 )
 from torsionnet.report.formula_widths import WIDEST_FORMULA, formula_letters
-from torsionnet.report.plan import Pair
 from torsionnet.report.report_data import FEW_CASES, MOST_SYMBOLIC, Case, ReportData, SymbolicEquations, titles_of
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import capital, first_names, pair_latex, quotient_latex, sentence, unit

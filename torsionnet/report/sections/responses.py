@@ -17,6 +17,7 @@ from torsionnet.base.phrases import phrase
 from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.linear.phase import phase_at_zero_frequency
 from torsionnet.linear.responses.grid import Peak, peaks, static_value
+from torsionnet.model.channels import Pair
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -31,7 +32,6 @@ from torsionnet.report.document_tree import (
     TableGroup,
     Text,
 )
-from torsionnet.report.plan import Pair
 from torsionnet.report.report_data import FEW_CASES, Case, ReportData, cases_of, is_damped
 from torsionnet.report.report_request import Measured
 from torsionnet.report.report_tables import table

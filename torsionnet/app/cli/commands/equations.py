@@ -23,7 +23,7 @@ from torsionnet.base.table import Column, Table
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
-    from torsionnet.report.plan import Pair
+    from torsionnet.model.channels import Pair
     from torsionnet.symbolic.simplified import Simplified
     from torsionnet.symbolic.transfer_function import TransferFunction
 

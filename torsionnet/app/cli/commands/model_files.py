@@ -63,12 +63,14 @@ class LibraryCommand(Command):
 
     def answer(self) -> Answer:
         from torsionnet.base.table import result_table
-        from torsionnet.model.files import library_entry, library_models, library_studies
         from torsionnet.model.files.library import (
             catalogue_entry,
             library_campaigns,
             library_catalogues,
+            library_entry,
+            library_models,
             library_parts,
+            library_studies,
             study_entry,
         )
 

@@ -350,7 +350,7 @@ def _channels(writing: Writing, spec: ChannelEntry[Any]) -> Iterator[CompletionO
 def _listed_words(spec: Spec[Any], folder: Path | None) -> Iterator[CompletionOption]:
     """Words of a fixed list, from the specification of the entry or its JSON Schema."""
     if isinstance(spec, SectionName):
-        from torsionnet.report.plan import SECTIONS
+        from torsionnet.report.plan.report_plan import SECTIONS
 
         yield from (CompletionOption(name, "word", name, "section") for name in SECTIONS)
         return
