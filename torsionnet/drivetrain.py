@@ -196,7 +196,7 @@ class Drivetrain(AssembledModel, AttributeHints):
     def _unstable_modes(self) -> tuple[Fault, ...]:
         if not any(element.may_feed for element in self.elements.values()):
             return ()
-        from torsionnet.linear.modes.stability import unstable_modes
+        from torsionnet.linear.modes.unstable_modes import unstable_modes
 
         return unstable_modes(self)
 

@@ -57,11 +57,11 @@ def test_bench_of_all_configurations_and_seeds(folder):
 
 
 def test_two_tests_in_each_of_two_configurations_are_four_files(folder, monkeypatch):
-    from torsionnet.app.cli.commands import bench
+    from torsionnet.app.cli.commands import bench_and_campaign
 
-    ways, tested = ("up", "down"), bench._tested
+    ways, tested = ("up", "down"), bench_and_campaign._tested
     monkeypatch.setattr(
-        bench,
+        bench_and_campaign,
         "_tested",
         lambda *args, **more: (
             {

@@ -49,7 +49,7 @@ def folder(tmp_path, monkeypatch):
 
 def response_of(record, seconds, band):
     """What the command compares: of a record, between two frequencies."""
-    from torsionnet.app.cli.commands.report import _measured
+    from torsionnet.app.cli.commands.report_command import _measured
     from torsionnet.app.cli.record_options import Averaging, RecordReading
 
     how = RecordReading(), Averaging(seconds=seconds)

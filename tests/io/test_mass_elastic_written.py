@@ -9,7 +9,7 @@ import torsionnet as tn
 from torsionnet.app.cli import main
 from torsionnet.base.errors import TorsionnetWarning, UsageError
 from torsionnet.io import read_mass_elastic, write_mass_elastic
-from torsionnet.io.mass_elastic_sheet import to_mass_elastic
+from torsionnet.io.mass_elastic_files import to_mass_elastic
 
 WHOLE = {
     "amt_rig": "gear=V",

@@ -158,9 +158,9 @@ configurations: {mild: {}, push: {g: 20}, idle: {off: [governor]}}
         assert fault.path == ("elements", "governor")
 
     def test_is_not_asked_where_nothing_feeds(self, monkeypatch):
-        from torsionnet.linear.modes import stability
+        from torsionnet.linear.modes import unstable_modes
 
-        monkeypatch.setattr(stability, "natural_modes", lambda _: pytest.fail("modes were calculated"))
+        monkeypatch.setattr(unstable_modes, "natural_modes", lambda _: pytest.fail("modes were calculated"))
         tn.Drivetrain("plain", shaft_loop(-1)[:-1]).check()
 
 

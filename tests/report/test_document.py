@@ -12,7 +12,7 @@ from support.report_blocks import blocks, of, rows, words
 from support.report_phrases import unphrased
 
 import torsionnet as tn
-from torsionnet.app.cli.commands.report import ReportCommand
+from torsionnet.app.cli.commands.report_command import ReportCommand
 from torsionnet.base.number_text import aligned_numbers
 from torsionnet.report import make_report
 from torsionnet.report.build import BUILDERS

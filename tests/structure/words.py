@@ -13,16 +13,16 @@ from structure.rules import Fault
 TEXTS = "torsionnet/report/texts.yaml"
 NOT_REPLACED = {
     ("measurement_plan", " over speed with its limits and measured half ranges"),
-    ("responses", "Hz"), ("modes", "Hz"), ("responses", "Hz"), ("conclusion", "Hz"), ("formulas", "--tf "),
+    ("responses", "Hz"), ("modes_by_configuration", "Hz"), ("responses", "Hz"), ("conclusion", "Hz"), ("formulas", "--tf "),
     # for those who cannot see the figure
-    ("responses", "Test over model of "), ("modes", "Mode shapes of "), ("responses", "Bode plot of "),
+    ("responses", "Test over model of "), ("modes_by_configuration", "Mode shapes of "), ("responses", "Bode plot of "),
     ("elements", " elements between the nodes "), ("elements", "Schematic of "),
     # joined to what the author or another part of the program wrote
     ("elements", " frequencies, "), ("elements", " rows, "), ("elements", " rows of "), ("elements", "; … and "), ("elements", "table of "),
     ("natural_frequencies", "in "),
-    ("installation", "Without "), ("installation", "of "), ("resonances", " x "), ("resonances", "Hz"), ("equations", "input "), ("modes", "spread over many, at most "), ("modes", "\xa0% in "),
+    ("installation", "Without "), ("installation", "of "), ("resonances", " x "), ("resonances", "Hz"), ("equations_and_kinematics", "input "), ("modes_by_configuration", "spread over many, at most "), ("modes_by_configuration", "\xa0% in "),
     ("elements", "; changed for this report"),
-    ("resonances", " modes, "), ("resonances", " crossings"), ("limits", " over speed with its limits"),
+    ("resonances", " modes, "), ("resonances", " crossings"), ("limits_and_passage", " over speed with its limits"),
     ("forced_response", "Orders of "), ("forced_response", "Half range of "), ("excitations", "Hz"),
     ("excitations", " bar "),
 }  # fmt: skip

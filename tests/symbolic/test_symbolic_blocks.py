@@ -11,8 +11,8 @@ from support import campaigns, strategies
 
 import torsionnet as tn
 from torsionnet.base.program import Program
-from torsionnet.symbolic.algebra import loops
-from torsionnet.symbolic.algebra.loops import SplitBlock
+from torsionnet.symbolic.algebra import deletion_contraction
+from torsionnet.symbolic.algebra.deletion_contraction import SplitBlock
 from torsionnet.symbolic.algebra.network import Network, NetworkMember, Stiffness
 from torsionnet.symbolic.algebra.recursion import is_forest, orient, roots_of
 from torsionnet.symbolic.algebra.scaled import NumericValues
@@ -144,7 +144,7 @@ class TestExactly:
         drawn.ties(2, 3)
         drawn.grounds(0.6)
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(loops, "MOST_LOOPS", 0)
+            patch.setattr(deletion_contraction, "MOST_LOOPS", 0)
             blocks = recursion_from(drawn.names[0], drawn.network, Program()).solved.values()
             assert not any(isinstance(block, SplitBlock) for block in blocks)
             assert_exact(drawn)
@@ -155,9 +155,9 @@ class TestExactly:
         for names in (("q0", "q1"), ("q1", "q2"), ("q2", "q0"), ("q0", "q1")):
             drawn.law(*names, coefficients=(1, -1))
         assert drawn.matrix.det() == 0
-        for most in (0, loops.MOST_LOOPS):
+        for most in (0, deletion_contraction.MOST_LOOPS):
             with pytest.MonkeyPatch.context() as patch:
-                patch.setattr(loops, "MOST_LOOPS", most)
+                patch.setattr(deletion_contraction, "MOST_LOOPS", most)
                 assert_exact(drawn)
 
 

@@ -17,7 +17,7 @@ from sympy import Rational, Symbol, simplify
 
 import torsionnet as tn
 from torsionnet.base.program import Program
-from torsionnet.symbolic.algebra.loops import ExpandedBlock, solve_block
+from torsionnet.symbolic.algebra.deletion_contraction import ExpandedBlock, solve_block
 from torsionnet.symbolic.algebra.recursion import orient
 
 F = np.array([0.31, 3.3, 17.0, 61.0])

@@ -1,8 +1,8 @@
 # Written by `make generate`.
 from torsionnet.io.fmu import write_fmu as write_fmu
-from torsionnet.io.mass_elastic_sheet import mass_elastic_report as mass_elastic_report
-from torsionnet.io.mass_elastic_sheet import read_mass_elastic as read_mass_elastic
-from torsionnet.io.mass_elastic_sheet import write_mass_elastic as write_mass_elastic
+from torsionnet.io.mass_elastic_files import mass_elastic_report as mass_elastic_report
+from torsionnet.io.mass_elastic_files import read_mass_elastic as read_mass_elastic
+from torsionnet.io.mass_elastic_files import write_mass_elastic as write_mass_elastic
 from torsionnet.io.matlab import to_matlab as to_matlab
 from torsionnet.io.matlab import write_matlab as write_matlab
 from torsionnet.io.modelica import to_modelica as to_modelica

@@ -61,7 +61,7 @@ from torsionnet.symbolic.algebra.recursion import (
 
 def _solve_block(block: GraphBlock[Quotient], hanging: Mapping[str, Quotient], program: Program) -> SolvedBlock:
     """Solved block with closed loops, whose algebra a tree does not need."""
-    from torsionnet.symbolic.algebra.loops import solve_block
+    from torsionnet.symbolic.algebra.deletion_contraction import solve_block
 
     return solve_block(block, hanging, program)
 

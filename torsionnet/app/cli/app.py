@@ -187,14 +187,14 @@ FILES = {
     **dict.fromkeys(("modes", "margins", "sensitivity", "frf"), "responses_and_modes"),
     **dict.fromkeys(("orders", "critical-speeds", "holzer"), "orders"),
     **dict.fromkeys(("static", "simulate"), "under_load"),
-    **dict.fromkeys(("limits", "damper"), "limits"),
+    **dict.fromkeys(("limits", "damper"), "limits_and_damper"),
     **dict.fromkeys(("export", "import"), "exchange"),
     **dict.fromkeys(("explore", "explain", "language-server"), "tools"),
     **dict.fromkeys(("estimate", "compare", "identify-modes"), "estimate"),
     **dict.fromkeys(("angle", "calibrate-wheel", "clocks"), "wheels"),
-    **dict.fromkeys(("bench", "campaign"), "bench"),
+    **dict.fromkeys(("bench", "campaign"), "bench_and_campaign"),
 }
-"""File in ``commands`` of each command that shares one with others; the rest stand in a file of their name."""
+"""File in ``commands`` of each command that shares one with others; the rest stand in ``<command>_command``."""
 
 
 class LazyGroup(click.Group):
@@ -210,7 +210,7 @@ class LazyGroup(click.Group):
             return None
         from torsionnet.app.cli.command import click_command
 
-        file = FILES.get(cmd_name, cmd_name.replace("-", "_"))
+        file = FILES.get(cmd_name, f"{cmd_name}_command")
         module = importlib.import_module(f"torsionnet.app.cli.commands.{file}")
         return click_command(cmd_name, getattr(module, f"{cmd_name.title().replace('-', '')}Command"))
 

@@ -165,7 +165,7 @@ def study_schema() -> Schema:
 
 OUTPUTS: dict[str, str] = {
     "angle": "torsionnet.app.cli.commands.wheels:TurnedWheels",
-    "bench": "list[torsionnet.app.cli.commands.bench:BenchRun]",
+    "bench": "list[torsionnet.app.cli.commands.bench_and_campaign:BenchRun]",
     "calibrate-wheel": "torsionnet.signals.rotation.calibration_result:WheelCalibration",
     "campaign": "torsionnet.bench.campaign.campaign_result:CampaignResult",
     "check": "list[torsionnet.base.fault_rows:CheckRecord]",

@@ -368,7 +368,7 @@ def pasted_model(table: str) -> dict[str, Any]:
         return {"no_table": True}
     if not any(is_inertia_heading(cell) for row in grid.rows for cell in row):
         return {"no_table": True}
-    from torsionnet.io.mass_elastic_sheet import sheet_drivetrain
+    from torsionnet.io.mass_elastic_files import sheet_drivetrain
 
     try:
         sheet = parse_sheet(grid)

@@ -19,7 +19,7 @@ def unstable_configurations(definition: Definition) -> list[Fault]:
         if not any(element.may_feed for element in variant.active):
             continue
         from torsionnet.linear.assembly.assembled import AssembledModel
-        from torsionnet.linear.modes.stability import unstable_modes
+        from torsionnet.linear.modes.unstable_modes import unstable_modes
 
         # What the model as written has already is told once, without a configuration.
         known = {(fault.message, fault.path) for fault in warnings}

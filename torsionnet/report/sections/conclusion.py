@@ -35,7 +35,7 @@ from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital, in_clauses, pair_latex, symbol_or_words, unit
 from torsionnet.report.report_units import limit_scale
 from torsionnet.report.sections.conditions import lacking_conditions
-from torsionnet.report.sections.limits import conclusion, judged_words, verdict
+from torsionnet.report.sections.limits_and_passage import conclusion, judged_words, verdict
 from torsionnet.report.sections.resonances import missed_margins
 from torsionnet.report.sections.responses import static_value_and_peaks
 

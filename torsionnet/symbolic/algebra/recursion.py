@@ -1,7 +1,7 @@
 """Recursion without division on a tree of blocks, for a network's determinant and the readings of sensors.
 
 Below a coordinate v hang blocks, each with its determinants A_b and Q_b for v free and held (see
-:mod:`torsionnet.symbolic.algebra.loops` for loops). With g_v the dynamic stiffness to ground,
+:mod:`torsionnet.symbolic.algebra.deletion_contraction` for loops). With g_v the dynamic stiffness to ground,
 
     Q_v = prod Q_b,   A_v = g_v Q_v + sum_b A_b prod_{b' != b} Q_b'
 

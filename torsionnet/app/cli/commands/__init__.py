@@ -1,1 +1,1 @@
-"""Commands of the command line, each in a module of its name."""
+"""Commands of the command line; ``FILES`` of the program says in which file each stands."""

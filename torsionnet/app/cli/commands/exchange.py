@@ -194,7 +194,7 @@ def _of_sheet(source: str, said: dict[str, str]) -> Drivetrain:
 
     The meaning and unit taken for each column go to stderr.
     """
-    from torsionnet.io.mass_elastic_sheet import mass_elastic_report, sheet_drivetrain
+    from torsionnet.io.mass_elastic_files import mass_elastic_report, sheet_drivetrain
 
     sheet = mass_elastic_report(source, **said)
     drivetrain = sheet_drivetrain(sheet)

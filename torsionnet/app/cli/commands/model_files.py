@@ -367,11 +367,11 @@ class ShowCommand(ModelCommand):
             if not (self.equations or self.matrices):
                 yield from _described(case.drivetrain)
             if self.equations:
-                from torsionnet.app.cli.commands.equations import equations_text
+                from torsionnet.app.cli.commands.equations_command import equations_text
 
                 yield equations_text(case.drivetrain)
             if self.matrices:
-                from torsionnet.app.cli.commands.equations import matrix_tables
+                from torsionnet.app.cli.commands.equations_command import matrix_tables
 
                 yield from [""] if self.equations else []
                 yield from separated_by_lines(matrix_tables(case.drivetrain))
