@@ -25,7 +25,7 @@ from torsionnet.base.errors import UsageError
 from torsionnet.identification.orders.parametric_orders import parameters_of_drivetrain
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
-from torsionnet.identification.residuals.motion_equation import PLACES, LinearRest, MotionEquation, motion_equation
+from torsionnet.identification.residuals.motion_equation import LinearRest, MotionEquation, motion_equation
 from torsionnet.identification.residuals.noise import Noise
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
@@ -48,7 +48,9 @@ CLEAR_OF_NOISE = 4.0
 RESTING, MOST_RESTING = 0.05, 0.15
 """Rate over the largest near by below which the twist rests, and the share of a bump at rest from which it is left
 out: friction at rest has any torque up to its own."""
-OTHER = 0.1
+JUMPS = 0.3
+"""Standard deviation of what friction that turns adds to the rate, over what is known of it."""
+OTHER = 0.01
 """Variance that sampling and smoothing leave in each equation by itself, over that by noise."""
 TOO_SHORT = "the twist does not move for long enough to compare it with the equation of motion"
 DIFFERENCE = 1e-5
@@ -76,8 +78,10 @@ class MeasuredMotion:
         Standard deviations of the twist in rad and of the torque in N m from sample to sample.
     ripple : float
         Rate in rad/s that noise makes where nothing moves.
-    width : int
-        Samples of the cubics by which the twist was smoothed.
+    turning : (n,) array
+        Standard deviation of the rate in rad/s by cubics across places where friction turns.
+    width, rate_width : int
+        Samples of the cubics by which the twist was smoothed, and of those that the rate is from.
     half_period : int
         Samples from a reversal to the next, as a mean.
     """
@@ -90,7 +94,9 @@ class MeasuredMotion:
     step: float
     noise: tuple[float, float]
     ripple: float
+    turning: FloatArray
     width: int
+    rate_width: int
     half_period: int
 
     @classmethod
@@ -109,7 +115,20 @@ class MeasuredMotion:
             # The rate tells when friction turns: a third of a half period hardly moves a reversal.
             by_rate = max(width, min(half_period // 6 * 2 + 1, 2 * width - 1))
         spread = noise_of_fourth_differences(torque) if torque.any() else 0.0
-        return cls(twist, smooth, rate, bend, torque, step, (noise, spread), ripple, width, max(half_period, 1))
+        # Friction that turns makes a jump B of the acceleration: a cubic over m samples across it adds m h B/30.
+        ends = np.arange(len(twist)) + by_rate // 2 * np.array([[1], [-1]])
+        after, before = bend[np.clip(ends, 0, len(twist) - 1)]
+        added = np.where(np.abs(rate) < np.abs(bend) * step, by_rate * step / 30 * (after - before), 0.0)
+        noises, half_period = (noise, spread), max(half_period, 1)
+        turning = JUMPS * np.abs(added)
+        return cls(
+            twist, smooth, rate - added, bend, torque, step, noises, ripple, turning, width, by_rate, half_period
+        )
+
+
+def _through(rows: FloatArray, kernel: FloatArray) -> FloatArray:
+    """Weights of noise from weights (n_b, m) of what a filter of odd length makes of it."""
+    return np.stack([np.convolve(row, kernel) for row in rows])
 
 
 def _width(twist: FloatArray, noise: float) -> int:
@@ -185,7 +204,7 @@ class EquationBlock(MeasurementBlock):
     @cached_property
     def measured(self) -> ComplexArray:
         """Torque of the laws by what was measured, at the start values, N m, (n_b,)."""
-        return np.asarray(-self._beside(self.response.start, {}), dtype=complex)
+        return np.asarray(-self._beside(self.equation.rest_at_start, {}), dtype=complex)
 
     def predicted(self, values: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         missed, slopes = self._missed(values), np.empty((len(self.places), len(values)))
@@ -213,23 +232,22 @@ class EquationBlock(MeasurementBlock):
     def _missed(self, values: FloatArray) -> FloatArray:
         """Torque (n_b,) in N m by which the equation is missed."""
         numbers, one, extra = values[: len(self.response.names)].tolist(), self.motion, self._channel(values)
-        late, p = extra.get("delay", 0.0), extra.get("gain", 1.0) * self.equation.rest(numbers).output
+        rest = self.equation.rest(numbers)
+        late, p = extra.get("delay", 0.0), extra.get("gain", 1.0) * rest.output
         twist, rate = (self._followed + late * one.rate) / p, (one.rate + late * one.bend) / p
         laws = self.equation.torque(numbers, twist, rate, one.step)
-        return (self._bumped(laws, 0) + self._beside(np.array(numbers), extra)) * self._scale(values)
+        return (self._bumped(laws, 0) + self._beside(rest, extra)) * self._scale(rest, extra)
 
-    def _scale(self, values: FloatArray) -> float:
+    def _scale(self, rest: LinearRest, extra: dict[str, float]) -> float:
         """Factor of the equations of a decay: each term grows with inertia and stiffness, and the least is none."""
-        one = self.equation
-        at_start, rest = one.rest(one.start.tolist()), one.rest(values[: len(one.names)].tolist())
-        if one.drives or not at_start.inertia:
+        at_start = self.equation.rest_at_start
+        if self.equation.drives or not at_start.inertia:
             return 1.0
-        gain = self._channel(values).get("gain", 1.0)
-        return float(abs(at_start.inertia / at_start.output * rest.output * gain / rest.inertia))
+        return float(abs(at_start.inertia / at_start.output * rest.output * extra.get("gain", 1.0) / rest.inertia))
 
-    def _beside(self, values: FloatArray, extra: dict[str, float]) -> FloatArray:
+    def _beside(self, rest: LinearRest, extra: dict[str, float]) -> FloatArray:
         """Terms (n_b,) in N m of the linear rest and of the torque."""
-        one, rest = self.motion, self.equation.rest(values.tolist())
+        one = self.motion
         twist = (one.twist + extra.get("delay", 0.0) * one.rate) / (extra.get("gain", 1.0) * rest.output)
         found = -rest.drive * self._bumped(one.torque, 1)
         for number, factor in enumerate((rest.stiffness, -rest.damping, rest.inertia), 1):
@@ -239,6 +257,17 @@ class EquationBlock(MeasurementBlock):
 
     def _bumped(self, signal: FloatArray, number: int) -> FloatArray:
         return np.asarray(np.correlate(signal, self.bumps[number], "valid")[self.places])
+
+    def _under(self, signal: FloatArray) -> FloatArray:
+        """Samples (n_b, m) of a signal under each bump."""
+        return np.lib.stride_tricks.sliding_window_view(signal, self.bumps.shape[1])[self.places]
+
+    def _placed(self, rows: FloatArray) -> scipy.sparse.csr_array:
+        """Sparse matrix (n_b, n') of rows whose middles are those of the bumps."""
+        places = self.places[:, None] + np.arange(rows.shape[1]) + (self.bumps.shape[1] - rows.shape[1]) // 2
+        edge, ends = 2 * WIDTHS[-1], np.arange(len(rows) + 1) * rows.shape[1]
+        shape = (len(rows), len(self.motion.twist) + 2 * edge)
+        return scipy.sparse.csr_array((rows.ravel(), (places + edge).ravel(), ends), shape)
 
     def _noise(self, values: FloatArray) -> FloatArray:
         """Covariance (n_b, n_b) of the equations by the noise of twist and torque, N^2 m^2."""
@@ -251,33 +280,26 @@ class EquationBlock(MeasurementBlock):
         ]
         tangent = (ends[0] - ends[1]) / (2 * shift)
         phi, _, first, second = self.bumps
-        hop = int(np.min(np.diff(self.places), initial=len(phi)))
-        inside = np.lib.stride_tricks.sliding_window_view(tangent, len(phi))[self.places]
-        weights = (inside + rest.stiffness) * phi - rest.damping * first + rest.inertia * second
-        weights *= by_twist / abs(rest.output)
-        pull = rest.drive * by_torque * phi
+        weights = (self._under(tangent) + rest.stiffness) * phi - rest.damping * first + rest.inertia * second
         if not self.bumps[3].any():
             # Laws see the smooth twist: neighbours share the noise under its cubics.
-            kernel = scipy.signal.savgol_coeffs(one.width, 3)
-            weights = np.stack([np.convolve(row, kernel) for row in weights])
-            pull = np.pad(pull, one.width // 2)
-        m = len(pull)
+            weights = _through(weights, scipy.signal.savgol_coeffs(one.width, 3))
+        # Friction turns when the rate does, which is differenced from the noise, too.
+        move = np.hypot(one.ripple / CLEAR_OF_NOISE, one.turning) + np.finfo(float).tiny ** 0.5
         faster, slower = (
-            self.equation.torque(values.tolist(), self._followed / rest.output, one.rate / rest.output + move, one.step)
-            for move in (one.ripple / CLEAR_OF_NOISE, -one.ripple / CLEAR_OF_NOISE)
+            self.equation.torque(values.tolist(), self._followed / rest.output, one.rate / rest.output + way, one.step)
+            for way in (move, -move)
         )
-        late = self._bumped(np.abs(faster - slower) / 2, 0)  # by noise of the time at which friction turns
-        found = np.zeros((len(self.places),) * 2)
-        for begin in range(0, m, hop):
-            rows = np.searchsorted(self.places, self.places + begin)
-            rows = np.where(rows < len(self.places), rows, 0)
-            pairs = np.flatnonzero(self.places[rows] == self.places + begin)
-            others = rows[pairs]
-            both = np.sum(weights[pairs, begin:] * weights[others, : m - begin], axis=1)
-            both += pull[begin:] @ pull[: m - begin]
-            found[pairs, others] = found[others, pairs] = both
+        slope = (faster - slower) / (2 * move)
+        by_rate = _through(self._under(slope) * phi, scipy.signal.savgol_coeffs(one.rate_width, 3, 1, one.step)[::-1])
+        shares = (
+            (self._placed(weights) + self._placed(by_rate)) * (by_twist / rest.output),
+            self._placed(np.tile(rest.drive * by_torque * phi, (len(weights), 1))),
+            self._placed(self._under(slope * one.turning) * phi),
+        )
+        found = np.asarray(sum((share @ share.T).toarray() for share in shares))
         least = (1e-9 * float(np.abs(ends[0]).max()) + np.finfo(float).tiny ** 0.5) ** 2
-        return found + np.diag(OTHER * np.diag(found) + late**2 + least)
+        return found + np.diag(OTHER * np.diag(found) + least)
 
     @property
     def deviations(self) -> FloatArray:
@@ -305,7 +327,9 @@ class EquationBlock(MeasurementBlock):
 
     def measured_noise(self, values: FloatArray) -> Noise | None:
         """Noise as twist and torque have it from sample to sample, at the stiffness found."""
-        found = np.diag(self._noise(values[: len(self.response.names)])) * self._scale(values) ** 2
+        numbers = values[: len(self.response.names)]
+        scale = self._scale(self.equation.rest(numbers.tolist()), self._channel(values))
+        found = np.diag(self._noise(numbers)) * scale**2
         return Noise(found / np.diag(self.covariance), float(len(self.motion.twist)))
 
     def take_measured_noise(self, noise: Noise) -> None:
@@ -345,7 +369,7 @@ def equation_block(
     names = parameters_of_drivetrain(rig, parameters)
     try:
         equation = _equation(rig, measurement, motion, names)
-        rest = equation.rest(equation.start.tolist())
+        rest = equation.rest_at_start
     except UsageError as error:
         raise UsageError(f"{measurement.label}: {error}", kind=error.kind) from None
     places, bumps = _bumps(motion, rest, equation.spring)
@@ -383,8 +407,8 @@ def _bumps(motion: MeasuredMotion, rest: LinearRest, spring: float) -> tuple[NDA
     x, half = (2 * np.arange(m) + 1 - m) / (m + 1), (m + 1) * motion.step / 2
     phi = np.polynomial.Polynomial([1, 0, -1]) ** POWER
     each = [phi.deriv(n)(x) / half**n for n in range(5)]
-    # Laws are means over places within a sample, and so is, to the second order, all that stands beside them.
-    spread = float(np.var(PLACES)) / 2 * motion.step**2
+    # Laws are means over the time of a sample, and so is, to the second order, all that stands beside them.
+    spread = motion.step**2 / 24
     beside = [each[n] + spread * each[n + 2] for n in range(3)]
     return edge + hop * np.arange((free - m) // hop + 1), np.stack([each[0], *beside]) / each[0].sum()
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -35,8 +36,8 @@ SPREAD = np.array([0.7, 1.0, 1.6])
 """Frequencies, over that of the motion, at which the linear rest is read: two tell J, c and k, the third checks."""
 ONE_MASS = 1e-6
 """Largest share by which the rest may miss that of one mass."""
-PLACES = (np.arange(4) - 1.5) / 4
-"""Places within the distance of two samples at which laws are evaluated, so that steps lie between samples."""
+HALVES, GAUSS = np.array([[-1.0], [-1], [1], [1]]), np.array([[-1.0], [1], [-1], [1]]) / 3**0.5
+"""Half of a sample, before and after a reversal, and place in it of the points by Gauss at which laws are evaluated."""
 
 
 @dataclass(frozen=True)
@@ -89,6 +90,11 @@ class MotionEquation:
         """Values (n,) of the unknowns in the model as given, in SI units."""
         return np.array(self.unknowns.start)
 
+    @cached_property
+    def rest_at_start(self) -> LinearRest:
+        """Coefficients of the linear rest in the model as given."""
+        return self.rest(self.start.tolist())
+
     def rest(self, numbers: Sequence[float]) -> LinearRest:
         """Coefficients of the linear rest at values of the unknowns.
 
@@ -118,18 +124,25 @@ class MotionEquation:
     def torque(self, numbers: Sequence[float], twist: FloatArray, rate: FloatArray, step: float) -> FloatArray:
         """Torque (n,) in N m of the laws along a twist in rad with its rate in rad/s, a step of ``step`` s apart.
 
-        It is the mean between neighbouring samples, as laws have steps.
+        It is the mean over the time of a sample, each side of a reversal in it by itself: there friction turns.
         """
         bend = np.gradient(rate, step)
-        at = PLACES[:, None] * step
+        with np.errstate(divide="ignore", invalid="ignore"):
+            turn = np.where(np.abs(rate) < np.abs(bend) * step / 2, -rate / bend, 0.0)
+        share = (step / 2 - HALVES * turn) / (2 * step)
+        at = (turn + HALVES * step / 2) / 2 + GAUSS * step * share
         twists, rates = twist + at * rate + at**2 / 2 * bend, rate + at * bend
+
+        def slider(stiffness: float, most: float, angles: FloatArray) -> FloatArray:
+            return slider_torque(stiffness, most, np.sum(share * angles, axis=0))[None]
+
         total = np.zeros(len(twist))
         try:
             given = {name: float(one) for name, one in self.unknowns.values(list(numbers)).items()}
             value = Values(given, FLOAT)
             for name in self.elements:
                 one = laws_of(self.unknowns.definition.elements[name], value)
-                total += torque_over_time(*one, twists, rates, _slider).mean(axis=0)
+                total += np.sum(share * torque_over_time(*one, twists, rates, slider), axis=0)
         except (ZeroDivisionError, OverflowError, ExpressionError) as error:
             raise SolveError(f"the laws of {', '.join(self.elements)}: {error}", kind="no-solution") from None
         return total
@@ -139,10 +152,6 @@ class MotionEquation:
         """Whether a law depends on what went before: friction behind a spring."""
         elements = [self.unknowns.definition.elements[name] for name in self.elements]
         return any(one.kind == "friction" and getattr(one, "stiffness", None) is not None for one in elements)
-
-
-def _slider(stiffness: float, torque: float, twists: FloatArray) -> FloatArray:
-    return slider_torque(stiffness, torque, twists.mean(axis=0))[None]
 
 
 def _apart(supposed: FloatArray | ComplexArray, found: ComplexArray) -> float:
