@@ -158,7 +158,7 @@ def test_an_induction_motor_gives_what_the_throws_that_work_take(tmp_path, throw
 
 
 def two_motors(**limit):
-    """Two motors on one wheel, 100 kW each at 1500 rpm; alone, the first gives 100 kW and the second idles."""
+    """Two motors on one wheel, 100 kW each at 1500 rpm; alone, the first gives 100 kW and the second idles; a tenth."""
     elements = [
         tn.Inertia("Ja", node="a", inertia=2), tn.Spring("ka", nodes=("a", "pa"), stiffness=1e5),
         tn.Gear("ga", nodes=("pa", "w"), ratio=-2), tn.Inertia("Jb", node="b", inertia=2),
@@ -170,22 +170,28 @@ def two_motors(**limit):
         "two", elements, speeds={"of": "a", "range": "900..1500 rpm", "step": "100 rpm", "rated": "1500 rpm"},
         load={"absorbed_at": "p", "power": "200 kW", "torque_exponent": 2, "driven_by": {"a": 0.5, "b": 0.5}},
         excitations={"vanes": {"type": "harmonic", "node": "p", "orders": {3: {"amplitude": "10 N*m"}}}},
-        configurations={"both": {}, "alone": {"load.driven_by": {"a": 1}, "load.power": "100 kW"}},
+        configurations={
+            "both": {}, "alone": {"load.driven_by": {"a": 1}, "load.power": "100 kW"}, "pitch": {"load.power": "20 kW"}
+        },
         limits={"teeth": {"rule": "gear", "element": "gb", "source": "maker", **limit}},
     )  # fmt: skip
 
 
 def test_a_share_of_the_rated_torque_of_an_idle_mesh_is_that_of_full_load():
-    """100 kW at 1500 rpm are 636.6 N m in the second mesh; alone it has none, and hammers in any vibration."""
-    rated = 100e3 / (1500 * RPM)
-    both, alone = (two_motors(vibratory_share="30 %").configured(name).check_limits() for name in ("both", "alone"))
+    """100 kW at 1500 rpm are 636.6 N m in the second mesh; alone it has none, and hammers in any vibration.
+
+    Without pitch it has a tenth, against which hammer is judged, and not the share.
+    """
+    rated, rig = 100e3 / (1500 * RPM), two_motors(vibratory_share="30 %")
+    both, alone, pitch = (rig.configured(name).check_limits() for name in ("both", "alone", "pitch"))
     assert both.of("teeth", "hammer").allowed == pytest.approx(rated * (both.rpm / 1500) ** 2, rel=1e-9)
-    for check in (both, alone):
+    assert pitch.of("teeth", "hammer").allowed == pytest.approx(0.1 * rated * (pitch.rpm / 1500) ** 2, rel=1e-9)
+    for check in (both, alone, pitch):
         assert check.of("teeth", "T_v").allowed == pytest.approx(0.3 * rated, rel=1e-9)
         assert check.of("teeth", "T_v").verdict == "pass"
     hammer = alone.of("teeth", "hammer")
     assert (hammer.verdict, hammer.absent) == ("not judged", True)
-    assert LimitConclusion((both, alone)).verdict == "pass"
+    assert LimitConclusion((both, alone, pitch)).verdict == "pass"
 
 
 def test_where_nothing_is_allowed_the_largest_value_is_the_worst():

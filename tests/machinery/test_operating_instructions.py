@@ -14,6 +14,7 @@ import torsionnet as tn
 from torsionnet.base.result_fields import json_schema
 from torsionnet.machinery.verdicts.limit_check import LimitCheck
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
+from torsionnet.machinery.verdicts.limit_verdict import without_narrow_windows
 from torsionnet.machinery.verdicts.operating_instructions import _way, instruction_table, operating_instructions
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan
 from torsionnet.report.document_tree import TableBlock, inlines
@@ -37,6 +38,39 @@ def two(stress, other, **options):
     line = stressed(other, m68(**timed), **options)
     renamed = {f"line {name}": replace(one, limit="line") for name, one in line.items()}
     return stressed(stress, m68(), **options) | renamed
+
+
+class TestWindows:
+    """Usual ranges 16 n/(18 - n/100) to (18 - n/100) n/16: around 50 rpm 45.7 to 54.7, 62 rpm from 57.1, 64 rpm from 59."""
+
+    @staticmethod
+    def closed(stress, other, rated=100.0):
+        found = two(stress, other)
+        speeds = RPM * np.arange(20.0, 104.01, 0.5)
+        return check({str(place): one for place, one in enumerate(
+            without_narrow_windows([*found.values()], speeds, RPM * rated))})  # fmt: skip
+
+    @pytest.mark.parametrize(
+        ("at", "rated", "ranges"),
+        [
+            (62, 100, [(45, 68)]),  # 2.4 rpm between, 4.4 % of 54.7 rpm
+            (64, 100, [(45, 55), (58, 70)]),  # 7.9 %
+            (62, 56, [(45, 55), (57, 68)]),  # rated speed is governed in its window
+        ],
+    )
+    def test_no_speed_is_held_between_two_ranges_that_are_nearly_one(self, at, rated, ranges):
+        done = self.closed(hump(70, 50), hump(70, at), rated)
+        assert [span.rpm_outward for span in done.barred] == ranges
+        assert [(row.from_rpm, row.to_rpm) for row in operating_instructions([done])] == ranges
+        remarks = [remark for verdict in done.verdicts for remark in verdict.remarks if "narrow" in remark]
+        assert len(remarks) == (len(ranges) == 1)
+
+    def test_nor_below_a_range_that_is_not_passed(self):
+        """Barred up to lambda = 0.8, and exceeded again from 0.83 on, where no range may be barred."""
+        done = self.closed(hump(70, 75), hump(70, 85))
+        (row,) = operating_instructions([done])
+        assert (row.from_rpm, row.action) == (69, "not to be run or passed: not above 69 rpm")
+        assert done.highest == pytest.approx(RPM * 16 * 75 / 17.25, rel=1e-3)
 
 
 class TestMisfire:

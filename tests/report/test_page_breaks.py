@@ -63,7 +63,7 @@ class TestBreaks:
         (rule,) = re.findall(r"^(tbody:first-of-type.*)\{break-after:avoid\}$", CSS, re.MULTILINE)
         first, *titles, last = rule.split(",")
         assert first == "tbody:first-of-type tr:first-child"
-        assert titles == ["tr.group", "tr.group+tr"]
+        assert titles == ["tr.group", "tr.group+tr:not(:last-child)"]
         assert last == "tbody:last-of-type tr:nth-last-child(2)"
 
     def test_short_tables_stay_whole_in_word(self):
@@ -74,6 +74,10 @@ class TestBreaks:
 
     def test_two_rows_below_the_title_of_a_group_in_word(self):
         assert kept_in_word(table(4, 5, titled=True)) == ["group 0", "0.0", "group 1", "1.0", "1.3"]
+
+    def test_groups_of_one_row_do_not_make_a_table_one_piece_in_word(self):
+        titles = [f"group {place}" for place in range(5)]
+        assert kept_in_word(table(1, 1, 1, 1, 1, titled=True)) == ["group 0", "0.0", *titles[1:4], "3.0", "group 4"]
 
 
 @pytest.mark.slow

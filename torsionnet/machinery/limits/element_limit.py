@@ -110,7 +110,9 @@ def constant_over_speed(value: float, evidence: Evidence) -> Any:
 class GearLimit(ElementLimit):
     """Vibratory torque of gear teeth, as a share of the mean torque at rated speed; gear hammer where torque reverses.
 
-    Teeth part and hammer where the half range is larger than the mean torque at the same speed.
+    The share is of full load, the full transmission torque: of the model as written where a condition, as zero pitch or
+    one engine alone, transmits less. Teeth part and hammer where the half range is larger than the mean torque at the
+    same speed.
 
     Examples
     --------
@@ -160,6 +162,10 @@ class GearLimit(ElementLimit):
     def torque(self) -> Sensor:
         return Sensor("torque", self.element, self.at)
 
+    @property
+    def of_full_load(self) -> bool:
+        return self.vibratory_share is not None and self.rated_torque is None
+
     def order_sensors(self, subject: LimitSubject) -> list[Sensor]:
         del subject
         return [self.torque]
@@ -177,7 +183,7 @@ class GearLimit(ElementLimit):
         parts = []
         if self.vibratory_share is not None:
             share = 100 * self.vibratory_share
-            parts.append(phrase("T_v <= {share:g} % of the mean torque at rated speed", share=share))
+            parts.append(phrase("T_v <= {share:g} % of the mean torque at rated speed and full load", share=share))
         if self.vibratory_torque is not None:
             parts.append(f"T_v <= {self.vibratory_torque:g} N*m")
         if self.hammer:
@@ -197,8 +203,7 @@ class GearLimit(ElementLimit):
                 yield line_without_data("T_v", _unknown(evidence))
             else:
                 allowed = constant_over_speed(self.vibratory_share * rated, evidence)
-                where = ", as written: in this condition it idles" if self.torque in evidence.idle else ""
-                remarks = (f"mean torque at rated speed {rated:.6g} N*m{where}",)
+                remarks = (phrase("mean torque at rated speed and full load {torque:.6g} N*m", torque=rated),)
                 yield LimitLine("T_v", quantity, "N*m", size, allowed, remarks, orders)
         # Teeth part where the vibratory torque exceeds the mean torque of the same speed, so that torque changes its
         # sign.

@@ -205,6 +205,11 @@ class Limit(Declared):
         return 0.0
 
     @property
+    def of_full_load(self) -> bool:
+        """Whether it allows a share of the mean values at rated speed and full load."""
+        return False
+
+    @property
     def seconds_to_pass(self) -> float | None:
         """Longest time in s in which a barred range is to be passed; None where nothing is said."""
         return None

@@ -42,6 +42,7 @@ from torsionnet.machinery.verdicts.limit_verdict import (
     highest_permitted,
     listed_names,
     without_contradictions,
+    without_narrow_windows,
 )
 from torsionnet.machinery.verdicts.run_up_check import PassedLimit, RunUpCheck
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, spans_above
@@ -302,15 +303,23 @@ class _Examination:
 
     @cached_property
     def _full_load(self) -> dict[Sensor, float]:
-        """Mean value in SI units at the rated speed and full load by sensor, to which shares of a rule refer."""
-        if not self._idle or not self.drivetrain.configuration:
+        """Mean value in SI units at the rated speed and full load by sensor, to which shares of a rule refer.
+
+        That of this condition, or of the model as written where it is larger: at zero pitch or with one engine of two
+        a mesh transmits less than it is made for.
+        """
+        shares = [limit for limit in self._here if limit.of_full_load]
+        if not shares or not self._rated or not self.drivetrain.configuration:
             return self._rated
         try:
             written = self.drivetrain.as_written()
-            means = means_of(written, list(self._idle), [self.subject.rated or 0.0], all_working=True).values[0]
-        except (UsageError, ModelError):
+        except ModelError:
             return self._rated
-        return self._rated | dict(zip(self._idle, means.tolist(), strict=True))
+        means, _ = _means(written, self.subject, shares, np.array([self.subject.rated]), all_working=True)
+        larger = {
+            sensor: max(self._rated.get(sensor, 0.0), float(values[0]), key=abs) for sensor, values in means.items()
+        }
+        return self._rated | larger
 
     def examined(self, speeds: FloatArray) -> tuple[_Examined, tuple[LimitVerdict, ...]]:
         """Curves and settled verdicts over the speeds (n,) in rad/s, and over those that resolve the curves."""
@@ -339,12 +348,13 @@ class _Examination:
         )
         # A limit that only motions keep that are not met is not known to hold.
         unmet = curves.run.unmet.any()
-        return tuple(
+        known = [
             replace(verdict, verdict=OPEN, remarks=(*verdict.remarks, phrase(NOT_MET)))
             if unmet and verdict.verdict == PASS
             else verdict
             for verdict in every
-        )
+        ]
+        return without_narrow_windows(known, curves.run.speeds, self.subject.rated)
 
     def wanted(self, curves: _Examined) -> FloatArray:
         """Speeds (n,) in rad/s to add where the curves of the limits are not resolved yet."""

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Annotated, ClassVar, TypeAlias
 
 import numpy as np
@@ -230,7 +231,8 @@ class LimitVerdict:
             return ()
         ends = SpeedSpan(float(self.speeds[0]), float(self.speeds[-1]))
         above = spans_above(self.speeds, self.values, self.allowed)
-        open_ones = [span for span in above if not any(barred.low <= span.low <= barred.high for barred in self.barred)]
+        # A barred range may end where a refused one begins, as the window between them was closed.
+        open_ones = [span for span in above if not any(barred.low <= span.low < barred.high for barred in self.barred)]
         return joined_spans([*self.unpassed, *(span.widened(self.tolerance).within(ends) for span in open_ones)])
 
     @property
@@ -314,16 +316,66 @@ NOT_KEPT = "another limit is not kept in this condition"
 """Remark on a limit that would hold up to a highest speed in a condition in which another limit does not hold."""
 
 
+NARROWEST_WINDOW = 0.05
+"""Smallest width of speeds between two ranges that are not run, over their lowest speed, in which a speed can be held.
+
+2.5 % are what a governor of the widest class swings by at steady load (ISO 8528-5, class G1), and 2 % what a tachometer
+of 1 % leaves open at both ends; together rounded up.
+"""
+TOO_NARROW = "barred from {low:.5g} to {high:.5g} rpm, too: no speed is held in so narrow a window"
+"""Remark on a limit whose barred range was widened up to the next one."""
+
+
+def without_narrow_windows(
+    verdicts: Sequence[LimitVerdict], speeds: FloatArray, rated: float | None
+) -> tuple[LimitVerdict, ...]:
+    """Verdicts of one condition whose barred ranges reach up to the next range where only a narrow window is between.
+
+    The ranges are those of all limits, whether they are passed or refused. A window with the rated speed stays open.
+    """
+    ranges = _unpermitted(verdicts, speeds)
+    windows = [SpeedSpan(below.high, above.low) for below, above in pairwise(ranges)]
+    narrow = {
+        window.low: window
+        for window in windows
+        if window.high <= window.low * (1 + NARROWEST_WINDOW) and not (rated and window.holds(rated))
+    }
+    return tuple(_up_to_next(verdict, narrow) for verdict in verdicts) if narrow else tuple(verdicts)
+
+
+def _up_to_next(verdict: LimitVerdict, narrow: Mapping[float, SpeedSpan]) -> LimitVerdict:
+    """Verdict with barred ranges that reach to the end of narrow windows, given by the speed at which these begin."""
+    closed = [narrow[span.high] for span in verdict.barred if span.high in narrow]
+    if not closed:
+        return verdict
+    barred = joined_spans([*verdict.barred, *closed])
+    said = [phrase(TOO_NARROW, low=window.low * RPM, high=window.high * RPM) for window in closed]
+    top = verdict.highest
+    highest = top and next((span.low for span in barred if span.holds(top)), top)
+    return replace(verdict, barred=barred, highest=highest, remarks=(*verdict.remarks, *said))
+
+
 def highest_permitted(verdicts: Sequence[LimitVerdict], speeds: FloatArray) -> float | None:
     """Highest speed in rad/s below all ranges that may not be passed; None where every speed is reached.
 
     It is the low end of the first range that a limit refuses, joined with the barred ranges that overlap it. Where
     that is the lowest speed examined, no speed is permitted.
     """
-    refused = [span for verdict in verdicts for span in verdict.refused]
-    refused += [SpeedSpan(verdict.highest, float(speeds[-1])) for verdict in verdicts if verdict.highest is not None]
-    ranges = joined_spans([*refused, *(span for verdict in verdicts for span in verdict.barred)])
+    refused, ranges = _refused(verdicts, speeds), _unpermitted(verdicts, speeds)
     return min((barred.low for barred in ranges if any(barred.holds(span.low) for span in refused)), default=None)
+
+
+def _refused(verdicts: Sequence[LimitVerdict], speeds: FloatArray) -> list[SpeedSpan]:
+    """Speed ranges in rad/s that some limit lets neither run nor pass."""
+    refused = [span for verdict in verdicts for span in verdict.refused]
+    above = [SpeedSpan(verdict.highest, float(speeds[-1])) for verdict in verdicts if verdict.highest is not None]
+    return [*refused, *above]
+
+
+def _unpermitted(verdicts: Sequence[LimitVerdict], speeds: FloatArray) -> tuple[SpeedSpan, ...]:
+    """Speed ranges in rad/s in which some limit permits no run, joined where they overlap."""
+    barred = [span for verdict in verdicts for span in verdict.barred]
+    return joined_spans([*_refused(verdicts, speeds), *barred])
 
 
 def without_contradictions(verdicts: Sequence[LimitVerdict], speeds: FloatArray) -> tuple[LimitVerdict, ...]:

@@ -248,6 +248,12 @@ WHAT_IS_COUNTED = (
     "crossing peak counting, ASTM E1049)."
 )
 """Sentences that say what the tables on passages hold."""
+ASSUMED_TIMES = (
+    " No rule at hand says how long a passage takes: {quick:g} s, with power to spare, and {slow:g} s, with little, as "
+    "when towing or under a fouled hull, are assumed."
+)
+GIVEN_TIMES = " The times of the passages are those of the model."
+"""Sentences that say where the times of passages come from."""
 
 
 def passage_section(subject: ReportData) -> Section | None:
@@ -263,7 +269,8 @@ def passage_section(subject: ReportData) -> Section | None:
             ranges.append(barred)
     found_blocks = [list(_range(subject, barred, number)) for number, barred in enumerate(ranges, 1)]
     blocks = [block for some in found_blocks for block in some]
-    lead: list[Block] = [Paragraph((WHAT_IS_COUNTED,))] if blocks else []
+    times = GIVEN_TIMES if subject.request.plan.passage else phrase(ASSUMED_TIMES, quick=QUICK, slow=SLOW)
+    lead: list[Block] = [Paragraph((WHAT_IS_COUNTED, times))] if blocks else []
     refused = [_refused(subject, barred) for barred in refused_ranges(judged.checks)[:MOST_ROWS]]
     missing = [_named_range(subject, barred) for barred, some in zip(ranges, found_blocks, strict=True) if not some]
     missing += [_named_range(subject, barred) for barred in every if barred not in ranges]

@@ -286,7 +286,7 @@ class TableLayout:
         """Whether each row, without titles of groups, stays on the page of the row below; the last one does not.
 
         In a table that may be split those are its first row, the last but one, and the first below the title of a
-        group.
+        group of several.
 
         Examples
         --------
@@ -296,10 +296,15 @@ class TableLayout:
         >>> list(TableLayout(block).rows_kept)
         [True, False, False, False, True, False, True, False]
         """
-        titled = [row == 0 and bool(group.title) for group in self.block.groups for row in range(len(group.rows))]
-        for number, first_below_title in enumerate(titled):
+        # A group of one row ends there: else tables of such groups would be one piece.
+        titled = [
+            row == 0 and bool(group.title) and len(group.rows) > 1
+            for group in self.block.groups
+            for row in range(len(group.rows))
+        ]
+        for number, first_of_several in enumerate(titled):
             last = number == len(titled) - 1
-            yield not last and (self.stays_whole or first_below_title or number in (0, len(titled) - 2))
+            yield not last and (self.stays_whole or first_of_several or number in (0, len(titled) - 2))
 
 
 def piece_letters(piece: Piece, page_letters: float) -> list[float]:
