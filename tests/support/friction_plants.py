@@ -18,7 +18,7 @@ SMALL = 1e-9
 """Share of the sizes of its terms below which a value or a derivative counts as zero where one is chosen."""
 
 ROUNDING = 1e-14
-"""Share of the sizes of its terms by which a guard may dip below zero by rounding."""
+"""Share of the sizes of its terms by which a guard, or its rate, may dip below zero by rounding."""
 
 
 @dataclass
@@ -229,7 +229,8 @@ def _first_event(motion, state, y, step):
 
         below, rounding = step, ROUNDING * np.abs(row) @ sizes
         if row @ after >= 0:
-            if row @ A @ y >= 0 or row @ A @ after <= 0:
+            # What begins to slip where its torque just suffices has neither speed nor acceleration.
+            if row @ A @ y >= -ROUNDING * np.abs(row) @ np.abs(A) @ np.abs(y) or row @ A @ after <= 0:
                 continue
             below = scipy.optimize.brentq(lambda time, row=row @ A: at(time, row), 0, step)
             if at(below) >= -rounding:
