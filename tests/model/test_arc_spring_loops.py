@@ -87,6 +87,7 @@ def test_below_the_depth_of_a_segment_a_chain_is_a_stiff_spring():
     loop = marched_loop(springs(), math.radians(0.01), TWENTY, 10)
     assert loop.secant_stiffness == pytest.approx(2 * 10 * 700, rel=1e-9)
     assert loop.loss == pytest.approx(0, abs=1e-9)
+    assert loop.mean_torque == pytest.approx((loop.top + loop.bottom) / 2, rel=1e-13)
     assert loop.depth == 0
     assert closed_loop(springs(), math.radians(0.01), TWENTY).loss_factor == pytest.approx(0.5, rel=1e-9)
 

@@ -18,8 +18,8 @@ MOST_SEGMENTS = 400
 """Segments beyond which a march would not tell more than how small the swing is."""
 STEPS = 60
 """Halvings of the interval of a mean, to the last digit of a double."""
-SAME_TORQUE = 1e-8
-"""Share by which a marched loop may miss its mean torque."""
+SAME_TWIST = 1e-8
+"""Share by which a marched loop may miss its mean twist."""
 
 
 @lru_cache(maxsize=4096)
@@ -65,23 +65,17 @@ def _top(springs: ArcSprings, amplitude: float, mean_torque: float) -> float | N
 
 def _marched(springs: ArcSprings, amplitude: float, mean_torque: float) -> SlowLoop:
     """Loop in which the flange leaves the springs: about the mean twist that gives the mean torque."""
-    low, high = 0.0, springs.first_twist(mean_torque) + 2 * amplitude
+    from scipy.optimize import brentq
+
     segments = FIRST_SEGMENTS
     depth = marched_loop(springs, amplitude, springs.first_twist(mean_torque), segments).depth
     segments = min(MOST_SEGMENTS, max(segments, segments_needed(max(depth, 1 / segments), LOSS_SHARE)))
-    if mean_torque == 0:
-        return marched_loop(springs, amplitude, 0.0, segments)
-    # False position with halved ordinates (Illinois): the mean torque rises with the mean twist, also in steps.
-    loop = marched_loop(springs, amplitude, high, segments)
-    below, above = -mean_torque, loop.mean_torque - mean_torque
-    for _ in range(STEPS):
-        middle = low - below * (high - low) / (above - below)
-        loop = marched_loop(springs, amplitude, middle, segments)
-        over = loop.mean_torque - mean_torque
-        if abs(over) <= SAME_TORQUE * mean_torque or high - low <= SAME_TORQUE * high:
-            break
-        if over < 0:
-            low, below, above = middle, over, above / 2
-        else:
-            high, above, below = middle, over, below / 2
-    return loop
+
+    def over(twist: float) -> float:
+        # About no twist the loop is its own mirror image.
+        return (marched_loop(springs, amplitude, twist, segments).mean_torque if twist else 0.0) - mean_torque
+
+    # The mean torque rises with the mean twist, also in steps.
+    highest = springs.first_twist(mean_torque) + 2 * amplitude
+    mean_twist = brentq(over, 0.0, highest, rtol=SAME_TWIST) if mean_torque else 0.0
+    return marched_loop(springs, amplitude, mean_twist, segments)

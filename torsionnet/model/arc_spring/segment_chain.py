@@ -219,18 +219,18 @@ def marched_loop(springs: ArcSprings, amplitude: float, mean_twist: float, segme
         tips = peaks
     else:
         raise ArithmeticError(f"the loop of {segments} segments does not repeat in {CYCLES} cycles")
-    mean, first = (
-        sum(pair) for pair in zip(*(_over_half(branch, amplitude) for branch in (falling, rising)), strict=True)
-    )
+    mean, first = (sum(pair) for pair in zip(*map(_over_half, (falling, rising)), strict=True))
     loss = falling.area + rising.area
     return SlowLoop(amplitude, mean_twist, peaks[0], peaks[1], mean, loss, first / amplitude, moved / segments)
 
 
-def _over_half(branch: LoopBranch, amplitude: float) -> tuple[float, float]:
+def _over_half(branch: LoopBranch) -> tuple[float, float]:
     """Share of a branch in the mean and in the first harmonic of the torque, gamma = m + a cos(tau), piece by piece."""
-    middle = (branch.twists[0] + branch.twists[-1]) / 2
-    cosines = np.clip((branch.twists - middle) / amplitude, -1.0, 1.0)
-    tau, sines = np.arccos(cosines), np.sqrt(1 - cosines**2)
+    # From the ends 2 a cos^2(tau/2) and 2 a sin^2(tau/2): an arc cosine loses half its digits there.
+    ends = branch.twists[[0, -1]]
+    above, below = np.maximum(branch.twists - ends.min(), 0), np.maximum(ends.max() - branch.twists, 0)
+    tau, twice = 2 * np.arctan2(np.sqrt(below), np.sqrt(above)), np.ptp(ends)
+    cosines, sines = (above - below) / twice, 2 * np.sqrt(above * below) / twice
     slopes = np.diff(branch.torques) / np.where(np.diff(cosines) == 0, np.inf, np.diff(cosines))
     starts = branch.torques[:-1] - slopes * cosines[:-1]
     # T = s + b cos(tau): integrals of T and of T cos(tau) over tau; a step of the torque at one twist has none.
