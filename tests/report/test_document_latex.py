@@ -172,6 +172,8 @@ class TestWidths:
         column = TableColumn(Heading("Largest relative difference", "%", numeric=True), ())
         assert column.heading_lines(10) == ("Largest", "relative", "difference", "[%]")
         assert column.heading_lines(17) == ("Largest relative", "difference [%]")
+        with_formula = TableColumn(Heading(("rubber coupling ", Math("T_{KW}"), ", N"), numeric=True), ())
+        assert with_formula.heading_lines(10) == ("rubber", "coupling", (Math("T_{KW}"), ",", " ", "N"))
 
 
 def test_words_of_more_than_twenty_letters_may_break_behind_signs():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -137,7 +138,7 @@ def _polynomial(function: TransferFunction, pair: Pair, cases: tuple[Case, ...])
         for letter, part in zip("ba", quotient.ascending, strict=True)
     )
     where = list(quotient.where.items())
-    rows = [(Math(symbol_latex(str(name))), BreakableMath(tuple(sum_terms(value)))) for name, value in where]
+    rows = [(Math(symbol_latex(str(name))), BreakableMath(_terms_of(value))) for name, value in where]
     columns = (Heading("Coefficient"), Heading("Expression", wide=True))
     return [
         Paragraph(("As a quotient of polynomials in ", Math("s"), ":")),
@@ -149,6 +150,28 @@ def _polynomial(function: TransferFunction, pair: Pair, cases: tuple[Case, ...])
 
 def _terms(expression: Any) -> int:
     return max(len(expression.args) if expression.is_Add else 1, int(sympy.count_ops(expression)) // 8)
+
+
+def _terms_of(expression: Any) -> tuple[str, ...]:
+    r"""LaTeX terms of a sum between which lines may break; one too wide for a line breaks in its brackets, too.
+
+    >>> a, b, *c = sympy.symbols("a b mass_1:15")
+    >>> _terms_of(a * (b + c[0]))
+    ('a \\left(b + \\mathrm{mass}_{1}\\right)',)
+    >>> [_terms_of(a * (b + sum(c)))[place] for place in (0, 1, -1)]
+    ['a (b', '+ \\mathrm{mass}_{1}', '+ \\mathrm{mass}_{9})']
+    """
+    if max(map(formula_letters, sympy.Add.make_args(expression))) <= WIDEST_FORMULA:
+        return tuple(sum_terms(expression))
+    text = " ".join(sum_terms(expression)).replace(r"\left(", "(").replace(r"\right)", ")")
+    terms = [""]
+    for piece in re.split(r" (?=[+-] )", text):
+        # Within braces, as those of a fraction, a line does not break.
+        if terms[-1].count("{") > terms[-1].count("}"):
+            terms[-1] += f" {piece}"
+        else:
+            terms.append(piece)
+    return tuple(terms[1:])
 
 
 def _numbers(where: list[tuple[Any, Any]], pair: Pair, cases: tuple[Case, ...]) -> TableBlock:
@@ -198,14 +221,14 @@ def _limit(expression: Any) -> Cell:
         or max(map(formula_letters, sympy.Add.make_args(expression))) > WIDEST_FORMULA
     ):
         return "too long to be read"
-    return BreakableMath(tuple(sum_terms(expression)))
+    return BreakableMath(_terms_of(expression))
 
 
 def _steps(function: TransferFunction, pair: Pair, *, limits: bool) -> list[Block]:
     names, result = function.program.where()
     above, below = sympy.fraction(result)
     names = {**names, sympy.Symbol("N"): above, sympy.Symbol("D"): below}
-    rows = [(Math(symbol_latex(str(name))), BreakableMath(tuple(sum_terms(value)))) for name, value in names.items()]
+    rows = [(Math(symbol_latex(str(name))), BreakableMath(_terms_of(value))) for name, value in names.items()]
     columns = (Heading("Step"), Heading("Expression", wide=True))
     steps: list[Block] = [
         table(("Steps of ", Math(pair_latex(pair))), columns, rows),

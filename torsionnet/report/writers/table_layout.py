@@ -20,13 +20,14 @@ from torsionnet.report.document_tree import (
     NumberText,
     TableBlock,
     TableGroup,
+    Text,
     inlines,
 )
 from torsionnet.report.writers.inline import LONGEST_WORD, visible_text
 
 PAGE_LETTERS, GAP_LETTERS, FEWEST_LETTERS = 98, 1.5, 10
 """Width in letters of the page, of the gap between two columns, and of the narrowest column of text."""
-SIZES = (1.0, 0.9, 0.82)
+SIZES = (1.0, 0.9, 0.86)
 """Sizes of the letters of tables as shares of the usual one, of which the first that fits is taken: the least is 7
 points on paper."""
 WIDE_LETTERS = 18
@@ -86,12 +87,12 @@ class TableColumn:
         heading = self.heading
         words = [len(word) for word in visible_text(heading.text).split()]
         words += [len(heading.unit) + 2] if heading.unit else []
+        word = BOLD_WIDTH * max(words, default=0)
         if any(map(is_matrix, self.cells)):
             return min(self.content_letters, MATRIX_LETTERS)
         if not self.can_break:
-            return min(max([self.content_letters, *words]), PAGE_LETTERS - 2 * GAP_LETTERS)
+            return min(max(self.content_letters, word), PAGE_LETTERS - 2 * GAP_LETTERS)
         longest = max(map(_longest, self.cells), default=0)
-        word = BOLD_WIDTH * max(words, default=0)
         return max(word, min(self.natural_letters, max(FEWEST_LETTERS, longest)))
 
     @property
@@ -110,17 +111,29 @@ class TableColumn:
 
         The unit has a line of its own.
         """
-        text = self.heading.text
-        unit = [self.heading.bracket] if self.heading.bracket else []
-        if not isinstance(text, str):
-            return (self.title,) if len(visible_text(self.title)) <= width else (text, *unit)
-        lines: list[str] = []
-        for word in [*text.split(), *unit]:
-            if lines and len(lines[-1]) + 1 + len(word) <= width:
-                lines[-1] += f" {word}"
+        lines: list[Cell] = []
+        for word in [*_words(self.heading.text), *filter(None, [self.heading.bracket])]:
+            longer: Text = (*inlines(lines[-1]), " ", *inlines(word)) if lines else inlines(word)
+            if lines and len(visible_text(longer)) <= width:
+                lines[-1] = visible_text(longer) if all(isinstance(part, str) for part in longer) else longer
             else:
                 lines.append(word)
         return tuple(lines)
+
+
+def _words(text: Cell) -> list[Cell]:
+    """Words of a heading, in which formulas are parts like letters.
+
+    >>> _words(("rubber of ", Math("k"), ", N"))
+    ['rubber', 'of', (Math(latex='k'), ','), 'N']
+    """
+    words: list[Text] = [()]
+    for part in inlines(text):
+        first, *others = part.split(" ") if isinstance(part, str) else [part]
+        words[-1] += (first,)
+        words += [(other,) for other in others]
+    written = (tuple(part for part in word if part != "") for word in words)
+    return [word if len(word) > 1 else word[0] for word in written if word]
 
 
 def _longest(cell: Cell) -> int:
