@@ -40,7 +40,7 @@ linear = gears.at(torque={"x": MEAN}).frequency_response("x", "T", fine / (2 * n
 
 
 def swings(sweep: np.ndarray, start: MotionStart) -> list[float]:
-    found = []
+    peak_to_peak = []
     for omega in sweep:
         torque = {"mean": MEAN, "amplitude": AMPLITUDE, "frequency": f"{omega / (2 * np.pi)} Hz", "phase": "-90 deg"}
         cycle = 2 * np.pi / omega
@@ -48,8 +48,8 @@ def swings(sweep: np.ndarray, start: MotionStart) -> list[float]:
         record = gears.simulate(["x", "velocity(x)"], scenario=scenario, initial_state=start)
         x, speed = record["x"].values, record["velocity(x)"].values
         start = MotionStart(angles={"x": float(x[-1])}, speeds={"x": float(speed[-1])})
-        found.append(float(np.ptp(x[-101:])))
-    return found
+        peak_to_peak.append(float(np.ptp(x[-101:])))
+    return peak_to_peak
 
 
 rising = swings(omegas, MotionStart(angles={"x": 1 + MEAN}))

@@ -39,8 +39,8 @@ histories = plot.time_histories(record, title="One blow: force as a torque, acce
 
 # %%
 settings = signals.Welch(window="boxcar", seconds=3.2, overlap=0, detrend="none")
-found = signals.estimate(record, "acceleration", "force", settings=settings).between(10, 380)
-for note in found.notes:
+measured = signals.estimate(record, "acceleration", "force", settings=settings).between(10, 380)
+for note in measured.notes:
     print(note)
 
 # %%
@@ -48,21 +48,21 @@ for note in found.notes:
 # calibration; apart from that factor the two agree, and at the resonances to the line. Above 380 Hz the blow has too
 # little power to say anything.
 stored = loadmat(file)
-theirs = stored["Hf_chan_2"].ravel()[np.isin(stored["Freq_domain"].ravel(), found.frequencies)]
-scale = np.median(np.abs(found.values[:, 0, 0] / theirs))
-analyser = replace(found, values=scale * theirs[:, None, None], coherence=None, notes=(), title="analyser")
+theirs = stored["Hf_chan_2"].ravel()[np.isin(stored["Freq_domain"].ravel(), measured.frequencies)]
+scale = np.median(np.abs(measured.values[:, 0, 0] / theirs))
+analyser = replace(measured, values=scale * theirs[:, None, None], coherence=None, notes=(), title="analyser")
 figure = plot.bode(
-    [analyser, replace(found, coherence=None)],
+    [analyser, replace(measured, coherence=None)],
     labels=[f"analyser, times {scale:.2f}", "estimated from the record"],
     title="Hammer test of a beam",
     x_log=False,
 )
 
 # %%
-apart = signals.difference(found, analyser)
+apart = signals.difference(measured, analyser)
 typical = np.median(np.abs(apart.decibels)), np.median(np.abs(apart.degrees))
 print(f"typical difference {typical[0]:.1f} dB, {typical[1]:.1f} degrees")
 for low, high in ((20, 60), (150, 300)):
-    one, other = (response.between(low, high) for response in (found, analyser))
+    one, other = (response.between(low, high) for response in (measured, analyser))
     ours, stated = (part.frequencies[part.magnitude[:, 0, 0].argmax()] for part in (one, other))
     print(f"resonance at {ours:.2f} Hz, analyser {stated:.2f} Hz")

@@ -22,10 +22,10 @@ scatter = rng.standard_normal((2, *clean.values.shape)) * 0.02 * np.median(clean
 test = replace(clean, values=clean.values + scatter[0] + 1j * scatter[1], title="Crankshaft, 2 % noise")
 
 diagram = modal.stabilisation(test, modal.Settings("lscf", highest_order=40))
-found = modal.identify_modes(diagram)
-figure = plot.stabilisation(diagram, found)
+modes = modal.identify_modes(diagram)
+figure = plot.stabilisation(diagram, modes)
 
 # %%
 # Against the modes of the model: natural frequency, damping ratio, and the likeness of the shapes (MAC). The mode at
 # 1794 Hz is there, but its damping still changes with the order: it is left out. The flywheel hardly moves in any.
-print(modal.match(found, engine.modes()).table())
+print(modal.match(modes, engine.modes()).table())

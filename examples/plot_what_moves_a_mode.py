@@ -10,18 +10,18 @@ import torsionnet as tn
 from torsionnet import plot
 
 gear = tn.load("amt_rig").configured("V")
-found = tn.sensitivity.mode_sensitivities(gear)
-figure = plot.tornado(found)
+sensitivities = tn.sensitivity.mode_sensitivities(gear)
+figure = plot.tornado(sensitivities)
 
 # %%
 # In fifth gear the first mode is the motor's inertia on both springs, damped by the flywheel (c_1) and by the oil (c_O)
 # alike. What the ratio does to it follows from the reflected half-shaft.
-print(*found.words(), sep="\n")
+print(*sensitivities.words(), sep="\n")
 
 # %%
 # The rule of thumb that stiffness counts by half: scaling every spring scales all undamped frequencies with the root.
-springs = [found.parameters.index(name) for name in ("k_1", "k_2")]
-print(found.relative_frequencies[:, springs].sum(axis=1))
+springs = [sensitivities.parameters.index(name) for name in ("k_1", "k_2")]
+print(sensitivities.relative_frequencies[:, springs].sum(axis=1))
 
 # %%
 # A torque meter sees the rig cut where it measures: less inertia in front of the springs, which then counts for more.

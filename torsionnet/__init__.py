@@ -79,8 +79,8 @@ def __getattr__(name: str) -> object:
     if name[:1].isupper() and name not in _named:
         from torsionnet.model.elements import element_class
 
-        if (found := element_class(name)) is not None:
-            return found
+        if (element := element_class(name)) is not None:
+            return element
     return _attribute(name)
 
 

@@ -97,14 +97,14 @@ def agreements(done: list[Run]) -> Table:
     )
     rows = []
     for test in done:
-        found = {row[0]: row for row in agreement(test.estimated, test.model, DEGREES).rows}
+        agreed = {row[0]: row for row in agreement(test.estimated, test.model, DEGREES).rows}
         rows.append(
             (
                 test.case,
                 test.estimated.usable_up_to,
-                found["largest response of the test"][1],
-                abs(found["largest difference in magnitude"][2]),
-                abs(found["largest difference in phase"][2]),
+                agreed["largest response of the test"][1],
+                abs(agreed["largest difference in magnitude"][2]),
+                abs(agreed["largest difference in phase"][2]),
             )
         )
     return Table("Virtual bench against model, theta_1/T_T", columns, tuple(rows))

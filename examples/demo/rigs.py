@@ -71,8 +71,8 @@ def rigs() -> list[Rig]:
     """DMF rig, AMT rig in four gears, and AMT rig in gear V with another c_O."""
     amt = load("amt_rig")
     gears = {gear: f"AMT {gear}" for gear in ("II", "III", "IV", "V")} | {"V_c_O_360": "AMT V, c_O = 360"}
-    found = [Rig(case, f"amt_{gear}", amt.configured(gear)) for gear, case in gears.items()]
-    return [Rig("DMF", "dmf", load("dmf_rig")), *found]
+    gearboxes = [Rig(case, f"amt_{gear}", amt.configured(gear)) for gear, case in gears.items()]
+    return [Rig("DMF", "dmf", load("dmf_rig")), *gearboxes]
 
 
 def first_vibration(modes: Modes) -> tuple[float, float]:

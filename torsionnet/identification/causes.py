@@ -138,11 +138,11 @@ def _wrong_value_causes(rig: AssembledModel) -> Iterator[Cause]:
 
 def _leaves(value: Expression, parameters: Mapping[str, Any]) -> list[str]:
     """Names of the parameters, given as plain numbers, on which an expression depends through others."""
-    found: list[str] = []
+    leaves: list[str] = []
     for name in sorted(value.names & parameters.keys()):
         inner = parameters[name].value
-        found += [name] if isinstance(inner, Number) else _leaves(inner, parameters)
-    return found
+        leaves += [name] if isinstance(inner, Number) else _leaves(inner, parameters)
+    return leaves
 
 
 def _ratios(rig: AssembledModel) -> Iterator[Cause]:
@@ -257,10 +257,10 @@ def with_causes(problem: FitProblem, causes: Sequence[Cause], values: FloatArray
         block.with_model(rigs[id(block.response.drivetrain)], _flagged(block, flags), tuple(unknowns))
         for block in problem.blocks
     ]
-    found = lay_out_problem(problem.blocks[0].response.drivetrain, blocks, unknowns, known)
-    idle = [name for name in unknowns if not _acts(found, name)] if instead and changes else []
+    with_them = lay_out_problem(problem.blocks[0].response.drivetrain, blocks, unknowns, known)
+    idle = [name for name in unknowns if not _acts(with_them, name)] if instead and changes else []
     if not idle:
-        return found
+        return with_them
     kept = {name: unknown for name, unknown in unknowns.items() if name not in idle}
     blocks = [block.with_model(block.response.drivetrain, block.measurement, tuple(kept)) for block in blocks]
     return lay_out_problem(problem.blocks[0].response.drivetrain, blocks, kept, known)
@@ -399,13 +399,13 @@ def fit_causes(
     Causes that leave most of the sum of squares ``whole`` are not searched to the last digit.
     """
     best: dict[Cause, CauseFit] = {}
-    found = [
+    tried = [
         _tried(problem, cause, start, solve, factor)
         for start in starts
         for cause in causes
         for factor in _factors(problem, cause)
     ]
-    for one in sorted((one for one in found if one is not None), key=lambda one: one.criterion):
+    for one in sorted((one for one in tried if one is not None), key=lambda one: one.criterion):
         best.setdefault(one.cause, one)
     # After the rough search the exact one, where the cause may yet explain the misfit.
     most = REFINED_RATIO * (1 - LEAST_MISFIT_REDUCTION) * whole
@@ -426,8 +426,8 @@ def under_own_noise(one: CauseFit, solve: Solve) -> LeastSquaresSolution:
 
 
 def _refined(one: CauseFit, solve: Solve) -> CauseFit:
-    found = solve(one.problem, one.values).x
-    return replace(one, values=found, sum_of_squares=sum_of_squares(one.problem, found))
+    values = solve(one.problem, one.values).x
+    return replace(one, values=values, sum_of_squares=sum_of_squares(one.problem, values))
 
 
 def _factors(problem: FitProblem, cause: Cause) -> tuple[float, ...]:
@@ -447,8 +447,8 @@ def _tried(problem: FitProblem, cause: Cause, start: FloatArray, solve: Solve, f
         begin = with_it.start_with_long_delays(begin)
         # A value that begins at 0, as damping, takes tiny steps at first, which a rough search takes for the end.
         from_zero = any(abs(begin[place]) < SMALLEST_START for place in places)
-        found = (solve(with_it, begin) if from_zero else solve(with_it, begin, ROUGH_TOLERANCE)).x
-        return CauseFit(cause, with_it, found, sum_of_squares(with_it, found))
+        values = (solve(with_it, begin) if from_zero else solve(with_it, begin, ROUGH_TOLERANCE)).x
+        return CauseFit(cause, with_it, values, sum_of_squares(with_it, values))
     except (TorsionnetError, np.linalg.LinAlgError):
         return None  # what cannot be calculated explains nothing
 

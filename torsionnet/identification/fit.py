@@ -76,13 +76,13 @@ def stepwise_optimum(
     ):
         return best
     try:
-        found = start
+        values = start
         with np.errstate(all="ignore"):  # overflow is checked by the cost
             for share in LINE_SHARES:
-                found = _with_lines(problem, found, share)
+                values = _with_lines(problem, values, share)
     except (SolveError, ValueError, np.linalg.LinAlgError):
         return best  # few lines may lead anywhere, even where the model cannot be solved
-    other = local_optimum(problem, found, loss)
+    other = local_optimum(problem, values, loss)
     return other if other.converged and other.cost < (1 - LEAST_IMPROVEMENT) * best.cost else best
 
 
@@ -101,7 +101,7 @@ def _with_lines(problem: FitProblem, start: FloatArray, share: float) -> FloatAr
     def jacobian(x: FloatArray) -> FloatArray:
         return np.asarray(problem.jacobian(x)[kept])
 
-    found = scipy.optimize.least_squares(
+    solution = scipy.optimize.least_squares(
         residuals,
         np.clip(start, lower, upper),
         jac=jacobian,
@@ -109,7 +109,7 @@ def _with_lines(problem: FitProblem, start: FloatArray, share: float) -> FloatAr
         x_scale=typical_steps(problem, problem.start),
         max_nfev=MOST_STEP_EVALUATIONS,
     )
-    return np.asarray(found.x)
+    return np.asarray(solution.x)
 
 
 def misfit_warnings(problem: FitProblem, values: FloatArray, loss: str) -> Iterator[str]:
@@ -205,7 +205,7 @@ BY_HARMONICS = f"one harmonic does not fit the steps: {HARMONICS} harmonics of t
 
 
 def make_fit(
-    model: Drivetrain, problem: FitProblem, found: LeastSquaresSolution, loss: str, lack: LackOfFit | None = None
+    model: Drivetrain, problem: FitProblem, optimum: LeastSquaresSolution, loss: str, lack: LackOfFit | None = None
 ) -> Fit:
     """Result of a fit from an optimum, with standard errors, correlation, comparisons, verdicts and notes.
 
@@ -217,10 +217,10 @@ def make_fit(
     """
     plain_names = {name: name.partition("[")[0] for name in problem.names}
     natures = {plain: parameter_quantity(model, plain) for plain in plain_names.values()}
-    values, limits = _at_limits(problem, found.x, natures)
+    values, limits = _at_limits(problem, optimum.x, natures)
     residuals, slopes = problem.residuals_and_jacobian(values)
     free = problem.effective_count - len(values)
-    left_over = residual_variance(residuals, len(values), loss, found.scale)
+    left_over = residual_variance(residuals, len(values), loss, optimum.scale)
     silent, exact = has_no_scatter(problem, values), is_rounding_alone(problem, values)
     # Smaller residuals than the noise that was measured are chance, and do not narrow the intervals.
     factor = max(left_over, 1.0) if exact or (problem.noise_is_measured and loss == "linear") else left_over
@@ -273,7 +273,7 @@ def _correlation(inverse: FloatArray, lost: FloatArray) -> FloatArray:
 
 def _steps(problem: FitProblem, backward: FloatArray) -> dict[str, tuple[tuple[float, ...], ...]]:
     tests = [moved.tolist() for moved in problem.step_shifts(backward)]
-    return {name: tuple(map(tuple, found)) for name, *found in zip(problem.names, *tests, strict=True) if found}
+    return {name: tuple(map(tuple, steps)) for name, *steps in zip(problem.names, *tests, strict=True) if steps}
 
 
 def _compared(problem: FitProblem, number: int, values: FloatArray) -> Compared:
@@ -334,8 +334,8 @@ def load_fit(path: str | os.PathLike[str]) -> Fit:
     ModelError
         The file is not the result of a fit.
     """
-    found = read_fit(path)
-    return Fit(**{part.name: getattr(found, part.name) for part in fields(found)})
+    fit = read_fit(path)
+    return Fit(**{part.name: getattr(fit, part.name) for part in fields(fit)})
 
 
 def _at_limits(

@@ -90,8 +90,8 @@ class _Reader:
 
     def plan(self) -> FitPlan | None:
         self.faults += version_faults(self.data, "fit")
-        self.entries, found = FitFile.read_entries(self.data)
-        self.faults += found
+        self.entries, faults = FitFile.read_entries(self.data)
+        self.faults += faults
         model = self._model() if self.entries.get("model") else None
         settings = self._settings()
         parameters = dict(self._parameters())

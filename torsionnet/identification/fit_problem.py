@@ -85,9 +85,9 @@ class FitProblem:
         for index, (mean, deviation) in self.priors.items():
             parts.append(np.array([(values[index] - mean) / deviation]))
             slopes.append(np.eye(len(values))[index : index + 1] / deviation)
-        found = np.concatenate(parts), np.concatenate(slopes)
-        self._known = (key, found)
-        return found
+        both = np.concatenate(parts), np.concatenate(slopes)
+        self._known = (key, both)
+        return both
 
     _known: tuple[bytes, tuple[FloatArray, FloatArray]] | None = field(default=None, init=False, repr=False)
 
@@ -106,8 +106,8 @@ class FitProblem:
         for sensors in dict.fromkeys(block.sensors for block, _ in records):
             # Sensors have one noise in all of their records; then what pauses of the input show is taken in.
             alike = [(block, mine) for block, mine in records if block.sensors == sensors]
-            found = zip(*(block.unexplained(mine) for block, mine in alike), strict=True)
-            level, gain, steps = (np.concatenate(parts) for parts in found)
+            unexplained = zip(*(block.unexplained(mine) for block, mine in alike), strict=True)
+            level, gain, steps = (np.concatenate(parts) for parts in unexplained)
             repeated = sum(block.squared_correlations for block, _ in alike) / sum(block.count for block, _ in alike)
             sources = sensor_noise_powers(level, gain, steps, repeated)
             seen = weighted_mean(block.input_noise(mine, sources[0]) for block, mine in alike)
@@ -150,22 +150,23 @@ class FitProblem:
 
     def start_with_reversed_channels(self, start: FloatArray) -> FloatArray:
         """Start values (n,), the gain of a channel negated where the model is then nearer to the test."""
-        found = start.copy()
+        turned = start.copy()
         for block, place in zip(self.blocks, self.unknown_indices, strict=True):
             if "gain" in block.extra and block.form != "magnitude":
                 predicted, (real, imaginary) = block.predicted(start[place])[0], np.split(block.deviations, 2)
                 # Re sum conj(G) H, below 0 if the test is rather minus the model.
                 if np.sum((predicted.conj() * block.measured).real / (real**2 + imaginary**2)) < 0:
-                    found[place[len(block.response.names) + block.extra.index("gain")]] *= -1
-        return found
+                    turned[place[len(block.response.names) + block.extra.index("gain")]] *= -1
+        return turned
 
     def start_with_long_delays(self, start: FloatArray) -> FloatArray:
         """Start values (n,), with the delays of channels that no search from there would reach."""
-        found = start.copy()
+        delayed = start.copy()
         for block, place in zip(self.blocks, self.unknown_indices, strict=True):
             if "delay" in block.extra:
-                found[place[len(block.response.names) + block.extra.index("delay")]] += block.likely_delay(start[place])
-        return found
+                at = place[len(block.response.names) + block.extra.index("delay")]
+                delayed[at] += block.likely_delay(start[place])
+        return delayed
 
     def starts_with_other_references(self, start: FloatArray) -> list[FloatArray]:
         """Start values, each (n,), with other likely angles of the references of measured orders; often none.
@@ -178,7 +179,7 @@ class FitProblem:
             if isinstance(block, OrderBlock) and "reference_angle" in block.extra
         ]
         likely = [(index, reference_angles(block, start[place])) for index, block, place in turned]
-        found = []
+        starts = []
         for angle in likely[0][1] if likely else ():
             other = start.copy()
             for index, angles in likely:
@@ -186,8 +187,8 @@ class FitProblem:
                     angles, key=lambda one: abs(np.exp(0.5j * one) - np.exp(0.5j * angle)), default=angle
                 )
             if not np.array_equal(other, start):
-                found.append(other)
-        return found
+                starts.append(other)
+        return starts
 
     @property
     def has_records(self) -> bool:

@@ -121,11 +121,11 @@ class FitResult(SavedResult):
             raise UsageError(
                 f"the confidence level is a number between 0 and 1, such as 0.95, got {confidence}", kind="out-of-range"
             )
-        freedom, found = max(self.degrees_of_freedom, 1), {}
+        freedom, intervals = max(self.degrees_of_freedom, 1), {}
         for name, value in self.values.items():
             half = interval_half_width(confidence, self.standard_errors[name], self.steps.get(name, ()), freedom)
-            found[name] = (value - half, value + half)
-        return found
+            intervals[name] = (value - half, value + half)
+        return intervals
 
     def configured(self, model: Drivetrain) -> Drivetrain:
         """Copy of the model with the fitted values of the parameters that all configurations share.

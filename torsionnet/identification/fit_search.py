@@ -59,17 +59,17 @@ def local_optimum(
     start = start_by_equations(problem, start)
     if loss == "linear":
         return _local(problem, start, loss, 1.0, tolerance)
-    found = _local(problem, start, "linear", 1.0, tolerance)
-    scale = residual_scale(problem, found.x)
+    optimum = _local(problem, start, "linear", 1.0, tolerance)
+    scale = residual_scale(problem, optimum.x)
     # The loss needs the scale of the residuals, and these depend on the loss: by turns until the scale settles.
     for _ in range(SCALE_ROUNDS):
-        if not np.isfinite(found.cost) or scale == 0:
+        if not np.isfinite(optimum.cost) or scale == 0:
             break
-        found = _local(problem, found.x, loss, LOSS_TUNING[loss] * scale, tolerance)
-        before, scale = scale, residual_scale(problem, found.x)
+        optimum = _local(problem, optimum.x, loss, LOSS_TUNING[loss] * scale, tolerance)
+        before, scale = scale, residual_scale(problem, optimum.x)
         if abs(scale / before - 1) < SETTLED_SCALE_CHANGE:
             break
-    return replace(found, scale=scale)
+    return replace(optimum, scale=scale)
 
 
 def start_by_equations(problem: FitProblem, start: FloatArray) -> FloatArray:
@@ -80,18 +80,18 @@ def start_by_equations(problem: FitProblem, start: FloatArray) -> FloatArray:
     if not any(isinstance(block, SteppedBlock) for block in problem.blocks):
         return start
     lower, upper = search_bounds(problem)
-    found, steps = np.clip(start, lower, upper), typical_steps(problem, problem.start)
+    values, steps = np.clip(start, lower, upper), typical_steps(problem, problem.start)
     try:
         with np.errstate(all="ignore"):  # overflow is checked by the cost
             for _ in range(EQUATION_ROUNDS):
                 # Deviations are those at the last values, else a model that answers little would fit best.
-                missed = partial(_missed_equations, problem, sizes=_equations(problem, found)[1])
-                solved = scipy.optimize.least_squares(missed, found, bounds=(lower, upper), x_scale=steps)
-                found = np.asarray(solved.x)
-        better = np.sum(problem.residuals(found) ** 2) < np.sum(problem.residuals(start) ** 2)
+                missed = partial(_missed_equations, problem, sizes=_equations(problem, values)[1])
+                solved = scipy.optimize.least_squares(missed, values, bounds=(lower, upper), x_scale=steps)
+                values = np.asarray(solved.x)
+        better = np.sum(problem.residuals(values) ** 2) < np.sum(problem.residuals(start) ** 2)
     except (SolveError, ValueError, np.linalg.LinAlgError):
         return start
-    return found if better else start
+    return values if better else start
 
 
 def _equations(problem: FitProblem, values: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -115,7 +115,7 @@ def _local(problem: FitProblem, start: FloatArray, loss: str, scale: float, tole
     lower, upper = search_bounds(problem)
     chosen: Any = loss
     try:
-        found = scipy.optimize.least_squares(
+        solution = scipy.optimize.least_squares(
             problem.residuals,
             np.clip(start, lower, upper),
             jac=problem.jacobian,
@@ -134,7 +134,7 @@ def _local(problem: FitProblem, start: FloatArray, loss: str, scale: float, tole
         where = ", ".join(f"{name} = {x:.3g}" for name, x in zip(problem.names, start, strict=True))
         return LeastSquaresSolution(start, np.inf, converged=False, message=f"numbers overflow from {where}")
     return LeastSquaresSolution(
-        np.asarray(found.x), float(found.cost), converged=bool(found.success), message=str(found.message)
+        np.asarray(solution.x), float(solution.cost), converged=bool(solution.success), message=str(solution.message)
     )
 
 

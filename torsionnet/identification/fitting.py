@@ -68,8 +68,8 @@ def explanations(problem: FitProblem, values: FloatArray, solve: Solve, errors: 
     if not good:  # the linear estimate may have picked the wrong causes
         others = [cause for cause in possible_causes(problem) if cause not in first]
         good = explaining_fits(fit_causes(problem, others, starts, solve, whole), whole)
-    found = [_explained(one, one.sum_of_squares / whole, solve, errors) for one in good]
-    return tuple(one for one in found if one.complete or not found[0].complete)
+    explained = [_explained(one, one.sum_of_squares / whole, solve, errors) for one in good]
+    return tuple(one for one in explained if one.complete or not explained[0].complete)
 
 
 def _promising(problem: FitProblem, values: FloatArray) -> list[Cause]:
@@ -115,15 +115,15 @@ def _scaled(columns: FloatArray) -> FloatArray:
 
 def _explained(one: CauseFit, left: float, solve: Solve, errors: Errors) -> Explanation:
     cause, tried = one.cause, one.problem
-    found = under_own_noise(one, solve)
-    at = found.x
+    optimum = under_own_noise(one, solve)
+    at = optimum.x
     before = tried.start[tried.names.index(cause.unknown)] if cause.is_value else None
     return Explanation(
         kind=cause.kind,
         of=cause.place(tried),
         unknown=cause.unknown,
         values=dict(zip(tried.names, at.tolist(), strict=True)),
-        standard_errors=errors(tried, found),
+        standard_errors=errors(tried, optimum),
         before=None if before is None else float(before),
         complete=not any(one.rejected for one in misfits(tried, at)),
         left=left,
@@ -133,19 +133,19 @@ def _explained(one: CauseFit, left: float, solve: Solve, errors: Errors) -> Expl
 
 def data_remarks(problem: FitProblem) -> tuple[str, ...]:
     """Remarks on records compared where the sensor moves by few of its steps, and on what one harmonic leaves out."""
-    found = []
+    remarks = []
     for block in problem.blocks:
         one = block.measurement
         if isinstance(block, SteppedBlock) and not block.has_harmonics:
-            found.append("one harmonic of the motion is compared: periodic_response tells whether the others count")
+            remarks.append("one harmonic of the motion is compared: periodic_response tells whether the others count")
         if isinstance(one.data, Recording) and not one.equations:
             steps = resolution(one.data, one.output, one.input)
             if steps is not None and steps.enough_up_to < block.frequencies[-1]:
                 limit = f"{steps.enough_up_to:.3g} Hz"
-                found.append(
+                remarks.append(
                     f"{one.output} moves by less than {ENOUGH_STEPS:g} of its steps above {limit}: end the band there"
                 )
-    return tuple(dict.fromkeys(found))
+    return tuple(dict.fromkeys(remarks))
 
 
 Loss: TypeAlias = Literal["linear", "soft_l1", "huber", "cauchy"]
@@ -287,8 +287,9 @@ def _judge_fit(model: Drivetrain, problem: FitProblem, best: LeastSquaresSolutio
     def errors(tried: FitProblem, at: LeastSquaresSolution) -> Mapping[str, float]:
         return make_fit(model, tried, at, loss).standard_errors
 
-    found = explanations(problem, best.x, solve, errors)
-    return make_fit(model, problem, best, loss, replace(lack, explanations=found, data_warnings=data_remarks(problem)))
+    reasons = explanations(problem, best.x, solve, errors)
+    lack = replace(lack, explanations=reasons, data_warnings=data_remarks(problem))
+    return make_fit(model, problem, best, loss, lack)
 
 
 def _with_harmonics(problem: FitProblem, best: LeastSquaresSolution, loss: str) -> LeastSquaresSolution:
@@ -329,19 +330,19 @@ def _moved(before: FloatArray, after: FloatArray) -> float:
 
 def _starts_and_reversed(problem: FitProblem, count: int, seed: int) -> list[FloatArray]:
     """Start values, each (n,), with other likely reference angles and delays, or a channel reversed where nearer."""
-    found = _starts(problem, count, seed)
-    found += problem.starts_with_other_references(found[0])
-    late = problem.start_with_long_delays(found[0])
-    found += [] if np.array_equal(late, found[0]) else [late]
+    starts = _starts(problem, count, seed)
+    starts += problem.starts_with_other_references(starts[0])
+    late = problem.start_with_long_delays(starts[0])
+    starts += [] if np.array_equal(late, starts[0]) else [late]
     return [
-        *found,
-        *(other for one in found if (other := problem.start_with_reversed_channels(one)).tobytes() != one.tobytes()),
+        *starts,
+        *(other for one in starts if (other := problem.start_with_reversed_channels(one)).tobytes() != one.tobytes()),
     ]
 
 
 def _starts(problem: FitProblem, count: int, seed: int) -> list[FloatArray]:
     rng = np.random.default_rng(seed)
-    found = [problem.start]
+    starts = [problem.start]
     # Without bounds a decade on either side of the start, drawn evenly over the logarithm.
     lower = np.where(np.isfinite(problem.lower) & (problem.lower > 0), problem.lower, np.abs(problem.start) / 10)
     upper = np.where(np.isfinite(problem.upper), problem.upper, np.abs(problem.start) * 10)
@@ -350,8 +351,8 @@ def _starts(problem: FitProblem, count: int, seed: int) -> list[FloatArray]:
         drawn = problem.start.copy()
         exponent = rng.random(len(drawn))
         drawn[positive] = lower[positive] * (upper[positive] / lower[positive]) ** exponent[positive]
-        found.append(np.clip(drawn, problem.lower, problem.upper))
-    return found
+        starts.append(np.clip(drawn, problem.lower, problem.upper))
+    return starts
 
 
 def _check_information(problem: FitProblem) -> None:

@@ -189,11 +189,11 @@ def misfits(problem: FitProblem, values: FloatArray, weights: FloatArray | None 
     basis, _ = np.linalg.qr(slopes / np.maximum(np.linalg.norm(slopes, axis=0), np.finfo(float).tiny))
     # Of that shift the fit has taken up the part Q Q^T, and the rest is left in the residuals.
     residuals = residuals * (1.0 if weights is None else weights) - shift + basis @ (basis.T @ shift)
-    found = [
+    tests = [
         block.measured_noise(values[place])
         for block, place in zip(problem.blocks, problem.unknown_indices, strict=True)
     ]
-    every = zip(problem.blocks, problem.residual_slices, problem.unknown_indices, found, strict=True)
+    every = zip(problem.blocks, problem.residual_slices, problem.unknown_indices, tests, strict=True)
     seen = [(block, span, values[place], noise) for block, span, place, noise in every if noise]
     known = [(block, span, noise) for block, span, _, noise in seen]
     covariances = [_covariance(block, noise, mine) for block, _, mine, noise in seen]
@@ -294,8 +294,8 @@ def lack_of_fit_sentences(lack: LackOfFit | None) -> Iterator[str]:
 
 
 def _what(one: Explanation) -> str:
-    found = [value for name, value in one.values.items() if name.partition("[")[0] == one.unknown]
-    return cause_in_words(one.kind, one.of, sum(found) / max(len(found), 1), one.before, one.between)
+    values = [value for name, value in one.values.items() if name.partition("[")[0] == one.unknown]
+    return cause_in_words(one.kind, one.of, sum(values) / max(len(values), 1), one.before, one.between)
 
 
 def cause_in_words(kind: str, of: str, value: float, before: float | None, between: str = "") -> str:

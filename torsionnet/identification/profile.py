@@ -93,12 +93,12 @@ class _Profile:
         def jacobian(x: FloatArray) -> FloatArray:
             return np.asarray(self.problem.jacobian(filled(x))[:, others])
 
-        found = scipy.optimize.least_squares(
+        optimum = scipy.optimize.least_squares(
             residuals,
             np.clip(guess[others], self.problem.lower[others], self.problem.upper[others]),
             jac=jacobian,
             bounds=(self.problem.lower[others], self.problem.upper[others]),
             x_scale=np.maximum(np.abs(guess[others]), 1e-12),
         )
-        guess[others] = found.x
-        return 2 * float(found.cost) - self.allowed
+        guess[others] = optimum.x
+        return 2 * float(optimum.cost) - self.allowed

@@ -69,12 +69,12 @@ def read_unknowns(parameters: str | Sequence[str] | Mapping[str, Unknown | float
     if isinstance(parameters, str):
         parameters = [parameters]
     if not isinstance(parameters, Mapping):
-        found = {name: Unknown() for name in parameters}
+        unknowns = {name: Unknown() for name in parameters}
     else:
-        found = {name: _one(name, given) for name, given in parameters.items()}
-    if not found:
+        unknowns = {name: _one(name, given) for name, given in parameters.items()}
+    if not unknowns:
         raise UsageError("name at least one parameter to be found", kind="missing-entry")
-    return found
+    return unknowns
 
 
 def _one(name: str, given: Unknown | float | None) -> Unknown:

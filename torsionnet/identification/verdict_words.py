@@ -67,7 +67,7 @@ def not_seen(problem: FitProblem, values: FloatArray, errors: FloatArray, ended:
     that slips nearly all the time.
     """
     effects = np.linalg.norm(problem.jacobian(values), axis=0) * np.abs(values)
-    found: dict[str, str] = {}
+    sentences: dict[str, str] = {}
     for block in problem.blocks:
         if not isinstance(block, SteppedBlock | EquationBlock):
             continue
@@ -76,17 +76,17 @@ def not_seen(problem: FitProblem, values: FloatArray, errors: FloatArray, ended:
         sliding = springs_of_sliders(*laws, values[: len(curve.names)])
         for name in names_of_laws(*laws):
             place = problem.names.index(name) if name in problem.names else -1
-            if place < 0 or name in found or name in ended:
+            if place < 0 or name in sentences or name in ended:
                 continue
             limit = sliding.get(name, np.inf)
             if effects[place] <= UNSEEN_EFFECT * effects.max():
-                found[name] = f"{name} is not seen: no swing reaches it, the largest is {swings.max():.3g} rad"
+                sentences[name] = f"{name} is not seen: no swing reaches it, the largest is {swings.max():.3g} rad"
             elif swings.min() > SLIPPING_SWINGS * limit:
-                found[name] = f"{name} is not seen: it slips at {limit:.3g} rad, and no swing is below 5 times that"
+                sentences[name] = f"{name} is not seen: it slips at {limit:.3g} rad, and no swing is below 5 times that"
             elif not errors[place] < abs(values[place]) / 2:
                 most = abs(values[place]) + 2 * errors[place]
-                found[name] = f"{name} is not seen: it is lost in the noise, and at most about {most:.2g}"
-    return found
+                sentences[name] = f"{name} is not seen: it is lost in the noise, and at most about {most:.2g}"
+    return sentences
 
 
 def _where(problem: FitProblem) -> str:
@@ -179,12 +179,12 @@ def has_no_scatter(problem: FitProblem, values: FloatArray) -> bool:
 
 def relative_misfits(problem: FitProblem, values: FloatArray) -> FloatArray:
     """RMS of model minus test over RMS of the test, for each measurement, shape (n_measurements,)."""
-    found = []
+    misfits = []
     for block, place in zip(problem.blocks, problem.unknown_indices, strict=True):
         predicted, measured = block.predicted(values[place])[0], block.measured
         error = np.abs(predicted) - np.abs(measured) if block.form == "magnitude" else predicted - measured
-        found.append(np.sqrt(np.sum(np.abs(error) ** 2) / np.sum(np.abs(block.measured) ** 2)))
-    return np.array(found)
+        misfits.append(np.sqrt(np.sum(np.abs(error) ** 2) / np.sum(np.abs(block.measured) ** 2)))
+    return np.array(misfits)
 
 
 def _narrow_peaks(problem: FitProblem, values: FloatArray) -> Iterator[str]:

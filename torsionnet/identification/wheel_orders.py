@@ -62,8 +62,8 @@ def calculated_wheel_orders(
     --------
     >>> import torsionnet as tn
     >>> plant = tn.load("engine_generator_set").configured("firing=normal,rubber=warm")
-    >>> found = calculated_wheel_orders(plant, "fly", np.array([90.0, 100.0]))
-    >>> found.shapes.shape, found.orders[:2].tolist()
+    >>> orders = calculated_wheel_orders(plant, "fly", np.array([90.0, 100.0]))
+    >>> orders.shapes.shape, orders.orders[:2].tolist()
     ((1, 24, 2), [0.5, 1.0])
     """
     if node not in drivetrain.nodes:
@@ -128,8 +128,8 @@ def _with(
 
 def _by_order(run: OrderResponse, orders: FloatArray) -> ComplexArray:
     """Peak amplitudes in rad, shape (n_orders, n_speeds), of lines of one order added."""
-    found = np.zeros((len(orders), len(run.speeds)), dtype=complex)
+    amplitudes = np.zeros((len(orders), len(run.speeds)), dtype=complex)
     for line, values in zip(run.lines, run.values[:, :, 0].T, strict=True):
         if line.relative and not line.fixed:
-            found[int(np.abs(orders - float(line.relative)).argmin())] += values
-    return found
+            amplitudes[int(np.abs(orders - float(line.relative)).argmin())] += values
+    return amplitudes

@@ -17,21 +17,21 @@ NODES = ("driving", "driven")
 DIGITS = 6
 
 
-def write_loop_element(found: TorqueLoops, path: str | Path) -> None:
+def write_loop_element(loops: TorqueLoops, path: str | Path) -> None:
     """Write the component that the largest loop of a test shows as a model file."""
-    loop_element(found).to_yaml(path)
+    loop_element(loops).to_yaml(path)
 
 
-def loop_element(found: TorqueLoops) -> Drivetrain:
+def loop_element(loops: TorqueLoops) -> Drivetrain:
     """Component that the largest loop of a test shows, with its driven side clamped.
 
     Values are parameters, whose descriptions have interval and source. Where drive and coast have the same stages, the
     spring has their means; else rows of torque over twist, which hold for either side. Behind free play with a single
     stage stands a clearance.
     """
-    loop = max(found.loops, key=lambda loop: loop.amplitude.value)
-    source = f"{loop.cycles} cycles of {found.torque} over {found.twist}" + (
-        f" in {found.title}" if found.title else ""
+    loop = max(loops.loops, key=lambda loop: loop.amplitude.value)
+    source = f"{loop.cycles} cycles of {loops.torque} over {loops.twist}" + (
+        f" in {loops.title}" if loops.title else ""
     )
     parameters: dict[str, Any] = {}
 
@@ -41,7 +41,7 @@ def loop_element(found: TorqueLoops) -> Drivetrain:
         parameters[name] = {"value": text, "description": f"{text}{half}, {source}"}
         return name
 
-    arcs = arc_loops(found.loops)
+    arcs = arc_loops(loops.loops)
     if arcs is not None:
         elements: list[Any] = [_arc_springs(arcs, loop, parameter, parameters), Lock("clamp", node=NODES[1])]
         return Drivetrain("component", elements, parameters=parameters, description=f"From loops: {source}")

@@ -19,13 +19,13 @@ if TYPE_CHECKING:
 
 
 def torque_loops(
-    found: TorqueLoops, *, conventions: Conventions = SI, title: str | None = None, ax: GivenAxes = None
+    loops: TorqueLoops, *, conventions: Conventions = SI, title: str | None = None, ax: GivenAxes = None
 ) -> Figure:
     """Figure of the loops of a test: mean branches, the fitted spring line dashed, and dots where stages begin.
 
     Parameters
     ----------
-    found : TorqueLoops
+    loops : TorqueLoops
     conventions : Conventions, optional
         Unit of angles.
     title : str, optional
@@ -39,7 +39,7 @@ def torque_loops(
     """
     sheet, panel = style.one_panel(4.0, ax)
     scale = conventions.scale("rad")
-    for number, loop in enumerate(found.loops):
+    for number, loop in enumerate(loops.loops):
         colour = style.PALETTE[number % len(style.PALETTE)]
         twist = loop.twist * scale
         label = f"{loop.amplitude.value * scale:.3g} {conventions.unit('rad')} about {loop.mean_torque:.3g} N·m"
@@ -57,11 +57,11 @@ def torque_loops(
     panel.set_ylabel("torque [N·m]")
     panel.legend(fontsize=style.FONT - 1)
     style.style_axes(panel)
-    return sheet.titled(found.title if title is None else title)
+    return sheet.titled(loops.title if title is None else title)
 
 
 def stepped_stiffness(
-    found: SteppedStiffness,
+    stepped: SteppedStiffness,
     model: NDArray[np.complex128] | None = None,
     title: str = "",
     ax: GivenAxes = None,
@@ -71,8 +71,8 @@ def stepped_stiffness(
     ``ax`` are two axes to draw into; by default those of a new figure.
     """
     sheet, (upper, lower) = style.stacked_panels(5.4, ["k'", "eta_1"], ax)
-    at = np.rad2deg(found.amplitudes)
-    pairs = [(found.stiffness, "o", style.PALETTE[0], "test")]
+    at = np.rad2deg(stepped.amplitudes)
+    pairs = [(stepped.stiffness, "o", style.PALETTE[0], "test")]
     pairs += [] if model is None else [(model, "x", style.PALETTE[1], "model")]
     for values, marker, color, label in pairs:
         upper.plot(at, values.real, marker, color=color, label=label)
@@ -86,4 +86,4 @@ def stepped_stiffness(
         panel.set_ylim(0, 1.05 * panel.get_ylim()[1])
     if model is not None:
         sheet.legend(2)
-    return sheet.titled(title or found.title or "Stiffness over amplitude")
+    return sheet.titled(title or stepped.title or "Stiffness over amplitude")

@@ -27,8 +27,8 @@ POINTS_PER_CYCLE = 2.0
 
 
 def _are_numbers(values: object) -> bool:
-    found = np.asarray(values)
-    return found.ndim == 1 and (found.dtype.kind in "iuf" or not len(found))
+    numbers = np.asarray(values)
+    return numbers.ndim == 1 and (numbers.dtype.kind in "iuf" or not len(numbers))
 
 
 @dataclass(frozen=True, kw_only=True)

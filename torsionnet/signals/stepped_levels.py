@@ -226,14 +226,14 @@ def stepped_stiffness(
     frequencies, twists, torques, mean_twists, mean_torques, distortion, others = (
         np.array(column) for column in zip(*rows, strict=True)
     )
-    found: list[NoteOrText] = [*notes, f"{len(rows)} steps found; first cycle of each left out"]
+    remarks: list[NoteOrText] = [*notes, f"{len(rows)} steps found; first cycle of each left out"]
     if others.max() > NEARLY_A_SINE:
         text = (
             f"harmonics of the twist are up to {100 * others.max():.2g} % of the first one, and describing functions "
             "suppose a sine: fit the record over time, by equations of motion"
         )
-        found.append(warning(text))
-    return SteppedStiffness(frequencies, twists, torques, mean_twists, mean_torques, distortion, title, tuple(found))
+        remarks.append(warning(text))
+    return SteppedStiffness(frequencies, twists, torques, mean_twists, mean_torques, distortion, title, tuple(remarks))
 
 
 def _groups_of_cycles(angle: FloatArray, sampling_rate: float) -> list[tuple[int, int, float]]:

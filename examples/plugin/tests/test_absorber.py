@@ -12,7 +12,7 @@ def test_two_natural_frequencies():
     main = tn.Inertia("disc", node="hub", inertia=0.2), tn.Spring("shaft", nodes=("hub", "ground"), stiffness=5000)
     omega = math.sqrt(5000 / 0.2)
     ring = Absorber("ring", node="hub", inertia=0.02, frequency=omega / (2 * math.pi))
-    found = tn.Drivetrain("absorber", [*main, ring]).modes().undamped_natural_frequencies
-    for frequency, sign in zip(found, (-1, 1), strict=True):
+    frequencies = tn.Drivetrain("absorber", [*main, ring]).modes().undamped_natural_frequencies
+    for frequency, sign in zip(frequencies, (-1, 1), strict=True):
         expected = omega * math.sqrt(1 + 0.05 + sign * math.sqrt(0.1 + 0.0025))
         assert math.isclose(2 * math.pi * frequency, expected, rel_tol=1e-9)

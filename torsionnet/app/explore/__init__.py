@@ -7,8 +7,8 @@ Everything is calculated here; the page in ``static/`` draws. Neither loads anyt
 >>> from torsionnet.app.explore.answers import answer
 >>> from torsionnet.app.explore.state import State
 >>> session = open_session("amt_rig")
->>> found = answer(session, State({"gear": "V"}, {"c_O": "360 N*m*s/rad"}))
->>> round(found["modes"]["natural"][0], 3)
+>>> data = answer(session, State({"gear": "V"}, {"c_O": "360 N*m*s/rad"}))
+>>> round(data["modes"]["natural"][0], 3)
 6.268
 """
 

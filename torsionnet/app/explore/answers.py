@@ -52,8 +52,8 @@ def mode_motion(rig: Drivetrain, modes: Modes) -> dict[str, Any]:
     >>> import torsionnet as tn
     >>> rig = tn.Drivetrain("two discs", [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b",
     ...     inertia=1), tn.Spring("shaft", nodes=("a", "b"), stiffness=1e4)])
-    >>> found = mode_motion(rig, rig.modes())
-    >>> [(mode["name"], mode["nodes"]["a"]) for mode in found["modes"]]
+    >>> motion = mode_motion(rig, rig.modes())
+    >>> [(mode["name"], mode["nodes"]["a"]) for mode in motion["modes"]]
     [('rigid body', [1.0, 0.0]), ('1', [0.5, 3.141593])]
     """
     from torsionnet.plot.drawing.labels import value_lines  # what draws is loaded by pages that show it
@@ -85,11 +85,11 @@ def mean_torques(rig: Drivetrain) -> dict[str, float]:
         loads = rig.static_state().loads
     except TorsionnetError:
         return {}
-    found: dict[str, float] = {}
+    torques: dict[str, float] = {}
     for load in loads:
         if load.torque is not None and np.isfinite(load.torque):
-            found.setdefault(load.element, float(load.torque))
-    return found
+            torques.setdefault(load.element, float(load.torque))
+    return torques
 
 
 def _mode(modes: Modes, number: int) -> dict[str, Any]:
@@ -216,10 +216,10 @@ def _sliders(session: Session, state: State, rig: Drivetrain) -> dict[str, Any]:
 def collected_notes() -> Iterator[list[str]]:
     """Context manager that collects the library's warnings in a list of texts instead of printing them."""
     notes: list[str] = []
-    found: Counter[str] = Counter()
-    with collected_warnings(found):
+    warned: Counter[str] = Counter()
+    with collected_warnings(warned):
         yield notes
-    notes += found
+    notes += warned
 
 
 def fault_texts(error: TorsionnetError) -> list[str]:
@@ -256,12 +256,12 @@ def _answer(session: Session, state: State) -> dict[str, Any]:
 
 def _over_frequency(session: Session, rig: Drivetrain, shown: State, modes: Modes) -> dict[str, Any]:
     measured = _measured(rig, shown)
-    found = [modes, measured] if measured else [modes]
-    band = shown.band if any(shown.band) else vibration_range(*found)
-    response = respond(rig, shown, response_frequencies(band, *found))
+    damped = [modes, measured] if measured else [modes]
+    band = shown.band if any(shown.band) else vibration_range(*damped)
+    response = respond(rig, shown, response_frequencies(band, *damped))
     return {
         "band": list(band),
-        "response": response_data(response, _undamped(*found)),
+        "response": response_data(response, _undamped(*damped)),
         "cut": modes_data(measured) if measured else None,
         "misfit": misfit(session.overlay, shown, lambda f: respond(rig, shown, f), band),
     }
@@ -363,9 +363,9 @@ def response_frequencies(band: tuple[float, float], *modes: Modes) -> FloatArray
 
 def _undamped(*modes: Modes) -> FloatArray:
     """Frequencies in Hz of vibrations without damping, shape (n,); several at one frequency count once."""
-    found = [
+    frequencies = [
         mode.damped_frequencies[(mode.damped_frequencies > 0) & (mode.damping_ratios < UNDAMPED_RATIO)]
         for mode in modes
     ]
-    every = np.sort(np.concatenate([np.empty(0), *found]))
+    every = np.sort(np.concatenate([np.empty(0), *frequencies]))
     return every[np.diff(every, prepend=0.0) > NEAREST_TO_POLE * every]

@@ -77,16 +77,16 @@ def _hover(document: Document, request: PageRequest) -> Answer:
     from torsionnet.app.text.outline import hover
 
     asked = TextQuestion(document, request, "at")
-    found = hover(*asked.place)
-    return {} if found is None else {"html_free_text": found.markdown} | asked.counting.span(found.span)
+    help_text = hover(*asked.place)
+    return {} if help_text is None else {"html_free_text": help_text.markdown} | asked.counting.span(help_text.span)
 
 
 def _definition(document: Document, request: PageRequest) -> Answer:
     from torsionnet.app.text.named_places import definition
 
     asked = TextQuestion(document, request, "at")
-    found = definition(*asked.place)
-    return asked.ranges([] if found is None else [found])
+    span = definition(*asked.place)
+    return asked.ranges([] if span is None else [span])
 
 
 def _references(document: Document, request: PageRequest) -> Answer:
@@ -206,9 +206,9 @@ def _mode_motion(session: Session, state: State) -> dict[str, Any]:
     rig = session.model_for(state)
     with collected_notes() as notes:
         is_large = len(rig.nodes) > MANY_NODES
-        found = mode_motion(rig, rig.modes(lowest=MOST_MOVING) if is_large else page_modes(rig))
+        motion = mode_motion(rig, rig.modes(lowest=MOST_MOVING) if is_large else page_modes(rig))
     said = [f"{len(rig.nodes)} nodes: the {MOST_MOVING} lowest modes can be moved"] if is_large else []
-    return found | {"notes": list(dict.fromkeys([*said, *found["notes"], *notes]))}
+    return motion | {"notes": list(dict.fromkeys([*said, *motion["notes"], *notes]))}
 
 
 def _kept(session: Session, state: State, what: str, make: Make) -> dict[str, Any]:
@@ -224,9 +224,9 @@ def _kept(session: Session, state: State, what: str, make: Make) -> dict[str, An
     return session.pictures.once(dict, key, answer, _size)
 
 
-def _size(found: dict[str, Any]) -> int:
-    moved = sum(len(mode["nodes"]) for mode in found.get("modes", ()))
-    return len(found.get("svg", "")) + BYTES_OF_MOTION * moved
+def _size(data: dict[str, Any]) -> int:
+    moved = sum(len(mode["nodes"]) for mode in data.get("modes", ()))
+    return len(data.get("svg", "")) + BYTES_OF_MOTION * moved
 
 
 LARGEST_REQUEST = 100_000
@@ -310,10 +310,10 @@ def reply(documents: Documents, path: str, body: bytes, is_closed: Callable[[], 
     """
     request = read_request(body)
     try:
-        found = _found(documents, path, request, is_closed)
+        response = _found(documents, path, request, is_closed)
     except TorsionnetError as error:
-        found = {"refused": fault_texts(error)}
-    return json.dumps(found, separators=(",", ":"), allow_nan=False).encode()
+        response = {"refused": fault_texts(error)}
+    return json.dumps(response, separators=(",", ":"), allow_nan=False).encode()
 
 
 def _found(documents: Documents, path: str, request: PageRequest, is_closed: Callable[[], bool]) -> Answer:
@@ -354,8 +354,8 @@ def pasted_model(table: str) -> dict[str, Any]:
 
     Examples
     --------
-    >>> found = pasted_model("mass\\tJ [kg m²]\\tk [MNm/rad]\\ncyl 1\\t0,45\\t2,1\\nflywheel\\t14\\t")
-    >>> found["text"].splitlines()[4]
+    >>> model = pasted_model("mass\\tJ [kg m²]\\tk [MNm/rad]\\ncyl 1\\t0,45\\t2,1\\nflywheel\\t14\\t")
+    >>> model["text"].splitlines()[4]
     '  cyl_1: {type: inertia, node: cyl_1, inertia: 0.45 kg m², description: cyl 1}'
     >>> pasted_model("elements:\\n  a: {type: inertia}")
     {'no_table': True}

@@ -68,12 +68,12 @@ class LineEnds:
         same = 0
         while same < min(len(before), len(now)) and before[same] == now[same]:
             same += 1
-        found = [(at, self.lines[at][1]) for at in range(same)]
+        kept = [(at, self.lines[at][1]) for at in range(same)]
         rest, changed = before[same:], now[same:]
         if len(rest) * len(changed) <= MOST_COMPARED:
             for block in SequenceMatcher(None, rest, changed, autojunk=False).get_matching_blocks():
-                found += [(same + block.b + k, self.lines[same + block.a + k][1]) for k in range(block.size)]
-        return [(at, end) for at, end in found if end]
+                kept += [(same + block.b + k, self.lines[same + block.a + k][1]) for k in range(block.size)]
+        return [(at, end) for at, end in kept if end]
 
 
 UNIX = LineEnds()
@@ -90,9 +90,9 @@ def plain_line_ends(text: str) -> str:
 
 
 def _lines(text: str) -> tuple[tuple[str, str], ...]:
-    found = [(one[1], one[2]) for one in _LINE.finditer(text)]
+    lines = [(one[1], one[2]) for one in _LINE.finditer(text)]
     # An empty match stands at the end of every text.
-    return tuple(found[:-1] if len(found) > 1 and not found[-2][1] else found)
+    return tuple(lines[:-1] if len(lines) > 1 and not lines[-2][1] else lines)
 
 
 LOOK_SECONDS = 0.2
@@ -157,11 +157,11 @@ class DiskFile:
         known = self._known
         if known is not None and signature == known[0]:
             return known[1]
-        found = self._read()
+        content = self._read()
         if signature is not None and signature == self._signature() and time.time_ns() - max(signature[:2]) > 10**8:
             # A younger file may change again within the resolution of its times.
-            self._known = signature, found
-        return found
+            self._known = signature, content
+        return content
 
     def changed(self, disk: str, ended: Callable[[], bool], seconds: float) -> DiskVersion | None:
         """Content of the file once it has another version than ``disk``, None where it keeps that version.
@@ -170,11 +170,11 @@ class DiskFile:
         """
         until = time.monotonic() + seconds
         while not ended():
-            found = self.version()
-            if found.name not in (disk, GONE):
+            content = self.version()
+            if content.name not in (disk, GONE):
                 time.sleep(SETTLING_SECONDS)
-                if self.version().name == found.name:
-                    return found
+                if self.version().name == content.name:
+                    return content
             left = until - time.monotonic()
             if left <= 0:
                 break
@@ -205,12 +205,12 @@ class DiskFile:
                 return Stored(before, f"{self.path.name} cannot be written: {error.strerror or error}")
             return Stored(_version(content, self.path.name))
 
-    def _reason(self, found: DiskVersion, disk: str) -> str:
+    def _reason(self, content: DiskVersion, disk: str) -> str:
         if not self._leads_here():
             return "the name of the file leads elsewhere now; nothing is written: start torsionnet explore again"
-        if found.name == disk:
+        if content.name == disk:
             return "" if disk == GONE else self.refusal
-        if found.name == GONE:
+        if content.name == GONE:
             return "the file is gone; store again to write it anew, or save the text as a file of its own"
         return "the file has been changed by another program since the page read it"
 
@@ -223,10 +223,10 @@ class DiskFile:
 
     def _signature(self) -> Signature | None:
         try:
-            found = self.path.stat(follow_symlinks=False)
+            status = self.path.stat(follow_symlinks=False)
         except OSError:
             return None
-        return found.st_mtime_ns, found.st_ctime_ns, found.st_size, found.st_ino, found.st_mode
+        return status.st_mtime_ns, status.st_ctime_ns, status.st_size, status.st_ino, status.st_mode
 
     def _read(self) -> DiskVersion:
         try:

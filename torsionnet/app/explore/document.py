@@ -192,7 +192,7 @@ class OffsetCounting:
 
     def __init__(self, text: str) -> None:
         self._length = len(text)
-        self._wide = [] if text.isascii() else [found.start() for found in _WIDE.finditer(text)]
+        self._wide = [] if text.isascii() else [wide.start() for wide in _WIDE.finditer(text)]
         self._wide_on_page = [place + before for before, place in enumerate(self._wide)]
 
     def to_page(self, offset: int) -> int:
@@ -344,23 +344,25 @@ class Document:
 
     def in_turn(self, kind: str, examine: Callable[[], Answer]) -> Answer:
         """Answer of a service on texts once it has its turn."""
-        found = self._texts.take(kind, examine)
-        return SUPERSEDED if found is None else found
+        answer = self._texts.take(kind, examine)
+        return SUPERSEDED if answer is None else answer
 
     def calculated(self, kind: str, calculate: Callable[[Session], Answer]) -> Answer:
         """Answer of a calculation on the last sound text once it has its turn, with the revision of that text."""
-        found = self._calculations.take(kind, lambda: self._with_revision(calculate))
-        return SUPERSEDED if found is None else found
+        answer = self._calculations.take(kind, lambda: self._with_revision(calculate))
+        return SUPERSEDED if answer is None else answer
 
     def drawn(self, kind: str, draw: Callable[[Session], Answer]) -> Answer:
         """Answer with a picture of the last sound text once it has its turn, with the revision of that text."""
-        found = self._pictures.take(kind, lambda: self._with_revision(draw, for_pictures=True))
-        return SUPERSEDED if found is None else found
+        answer = self._pictures.take(kind, lambda: self._with_revision(draw, for_pictures=True))
+        return SUPERSEDED if answer is None else answer
 
     def described(self) -> Answer:
         """Data that describe the model of the last sound text."""
-        found = self.examined()
-        return found.refused() if found.sound is None else found.sound.described | {"revision": found.sound.revision}
+        examined = self.examined()
+        if examined.sound is None:
+            return examined.refused()
+        return examined.sound.described | {"revision": examined.sound.revision}
 
     def examined(self, *, with_faults: bool = False) -> Examined:
         """Findings on the text of now; an answer is made of it as a whole, as the text changes meanwhile."""
@@ -376,20 +378,20 @@ class Document:
             return last
 
     def _with_revision(self, calculate: Callable[[Session], Answer], *, for_pictures: bool = False) -> Answer:
-        found = self.examined()
-        if found.sound is None:
-            return found.refused()
-        session = found.sound.for_pictures if for_pictures else found.sound.session
-        return calculate(session) | {"revision": found.sound.revision}
+        examined = self.examined()
+        if examined.sound is None:
+            return examined.refused()
+        session = examined.sound.for_pictures if for_pictures else examined.sound.session
+        return calculate(session) | {"revision": examined.sound.revision}
 
     def _examine(self, revision: int, text: str, before: SoundText | None) -> Examined:
         file, folder = str(self.options.path), self.options.folder
-        definition, found = read_text(text, file, folder, unstable_configurations)
-        faults = stretched_faults(text, found, file, folder)
+        definition, findings = read_text(text, file, folder, unstable_configurations)
+        faults = stretched_faults(text, findings, file, folder)
         if definition is None:
             return Examined(revision, text, faults, before, is_sound=False)
         try:
-            session = remade_session(Drivetrain.from_definition(definition, found), text, self.options)
+            session = remade_session(Drivetrain.from_definition(definition, findings), text, self.options)
             sound = SoundText(session, revision, session.describe())
         except TorsionnetError as error:
             faults = [*faults, LocatedFault(Fault(str(error), kind=error.kind), TextSpan(0, 0))]
@@ -400,7 +402,7 @@ class Document:
 def faults_data(text: str, faults: list[LocatedFault]) -> list[Answer]:
     """Faults of a text as JSON data, with offsets as browsers count them."""
     counting, lines = OffsetCounting(text), TextLines(text)
-    found = []
+    data = []
     rest = len(faults) - MOST_FAULTS
     more = [LocatedFault(Fault(f"{rest} more faults are not shown", severity="note"), TextSpan(0, 0))]
     for one in [*faults[:MOST_FAULTS], *(more if rest > 0 else ())]:
@@ -408,5 +410,5 @@ def faults_data(text: str, faults: list[LocatedFault]) -> list[Answer]:
         fixes = [{"title": fix.title, "edits": counting.edits(fix.edits)} for fix in one.fixes]
         said = {"severity": one.fault.severity, "kind": one.fault.kind, "message": one.fault.text}
         said |= {"line": line + 1, "column": column + 1}
-        found.append(said | counting.span(one.span) | {"fixes": fixes})
-    return found
+        data.append(said | counting.span(one.span) | {"fixes": fixes})
+    return data

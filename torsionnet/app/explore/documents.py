@@ -86,12 +86,12 @@ class Documents:
     def named(self, name: str) -> Document:
         """Document of a tab, made with the text of the file, or with its own draft, where there is none yet."""
         with self._lock:
-            found = self._documents.get(name)
-            if found is None:
-                found = self._new(name)
-            found.last_used = time.monotonic()
+            document = self._documents.get(name)
+            if document is None:
+                document = self._new(name)
+            document.last_used = time.monotonic()
             self._documents.move_to_end(name)
-            return found
+            return document
 
     def open(self, name: str) -> Answer:
         """Text of a tab as JSON data: its own, the draft of a closed tab, or that of the file."""
@@ -150,9 +150,9 @@ class Documents:
         try:
             if file is None:
                 self._wait(is_over, POLL_SECONDS if waits else 0.0)
-                found = None
+                content = None
             else:
-                found = file.changed(disk, is_over, POLL_SECONDS if waits else 0.0)
+                content = file.changed(disk, is_over, POLL_SECONDS if waits else 0.0)
         finally:
             with self._lock:
                 self._polls -= 1
@@ -160,9 +160,9 @@ class Documents:
                 document.last_used = time.monotonic()
         if document.poll_count != own:
             return SUPERSEDED
-        if found is None:
+        if content is None:
             return {"disk": disk} | ({} if waits else {"wait_s": RETRY_SECONDS})
-        return {"disk": found.name} | ({"refused": [found.refusal]} if found.refusal else {"text": found.text})
+        return {"disk": content.name} | ({"refused": [content.refusal]} if content.refusal else {"text": content.text})
 
     def _wait(self, is_over: Callable[[], bool], seconds: float) -> None:
         until = time.monotonic() + seconds

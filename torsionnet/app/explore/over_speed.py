@@ -162,14 +162,14 @@ def tested_orders(run: OrderResponse, measured: Sequence[MeasuredOrder], most: i
     except UsageError:
         return []
     largest = sorted(pairs, key=lambda one: -float(one.measured.amplitude.max()))[:most]
-    found = []
+    orders = []
     for one in largest:
         step = -(-len(one.measured.speeds) // MOST_DOTS)
         agreement, widths = one.agreement, one.pair.half_widths
         known = agreement.verdict != NO_INTERVAL and agreement.sentence
         phase = "" if agreement.phase_rms is None else f", phase {agreement.phase_rms:.3g}° RMS"
         apart = f"amplitude {agreement.peak:+.3g} %{phase}"
-        found.append({
+        orders.append({
             "name": f"order {one.measured.order:g}",
             "curve": json_numbers(one.curve),
             "rpm": json_numbers(one.measured.speeds[::step] * RPM),
@@ -177,7 +177,7 @@ def tested_orders(run: OrderResponse, measured: Sequence[MeasuredOrder], most: i
             "half_widths": None if widths is None else json_numbers(np.asarray(widths[::step])),
             "verdict": f"{agreement.verdict}: {apart}" + (f"; {agreement.sentence}" if known else ""),
         })  # fmt: skip
-    return found
+    return orders
 
 
 # Limits of a model on an output over speed, for the explore page: values allowed and ranges to be barred.
@@ -264,8 +264,8 @@ def limited_output(rig: Drivetrain) -> str:
     if first is None:
         return ""
     stress = Sensor("stress", first.of)
-    found = stress if _factor(stress, [first], 1.0, subject) is not None else first
-    return next((name for name, one in rig.sensors.items() if one == found), str(found))
+    output = stress if _factor(stress, [first], 1.0, subject) is not None else first
+    return next((name for name, one in rig.sensors.items() if one == output), str(output))
 
 
 def _few(speeds: FloatArray, limits: Iterable[Limit], subject: LimitSubject) -> FloatArray:
@@ -280,7 +280,7 @@ def _drawn(
 ) -> list[tuple[LimitVerdict, float]]:
     """Verdicts that judge the half range of the output, each with the factor from it to the judged value."""
     known: dict[tuple[str, str], float] = {}
-    found = []
+    with_factors = []
     for one in verdicts:
         judged = limits[one.limit].vibratory_sensors(one.criterion, subject) if len(one.values) else None
         factor = None if judged is None else _factor(shown, *judged, subject)
@@ -288,8 +288,8 @@ def _drawn(
             factor = factor or known.get((one.limit, one.quantity))
         if factor is not None:
             known[one.limit, one.quantity] = factor
-            found.append((one, factor))
-    return found
+            with_factors.append((one, factor))
+    return with_factors
 
 
 def _failures(verdicts: Iterable[LimitVerdict]) -> list[str]:

@@ -145,9 +145,9 @@ class Handler(BaseHTTPRequestHandler):
 
     def parse_request(self) -> bool:
         """Whether the header of a request could be read, which is answered now."""
-        found = super().parse_request()
+        readable = super().parse_request()
         self._place.enter(ANSWER)
-        return found
+        return readable
 
     def do_GET(self) -> None:
         self._guarded(self._page)
@@ -197,8 +197,8 @@ class Handler(BaseHTTPRequestHandler):
             raise RefusedError(HTTPStatus.BAD_REQUEST, "the header of the request is not sound, or GET has a body")
 
     def _only(self, header: str) -> str | None:
-        found = self.headers.get_all(header, [])
-        return (found[0] if len(found) == 1 else "") if found else None
+        values = self.headers.get_all(header, [])
+        return (values[0] if len(values) == 1 else "") if values else None
 
     def _page(self, path: str) -> None:
         page = pages().get(path)
@@ -217,8 +217,8 @@ class Handler(BaseHTTPRequestHandler):
         if (self.headers.get_content_type() if "Content-Type" in self.headers else "") != JSON:
             raise RefusedError(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, f"the content type of a request is {JSON}")
         body = self._body(largest_request(path))
-        found = reply(self.server.documents, path, body, lambda: self._place.is_closed)
-        self._send(HTTPStatus.OK, found, JSON)
+        answer = reply(self.server.documents, path, body, lambda: self._place.is_closed)
+        self._send(HTTPStatus.OK, answer, JSON)
 
     def _body(self, most: int) -> bytes:
         length = self._only("Content-Length") or ""
@@ -227,9 +227,9 @@ class Handler(BaseHTTPRequestHandler):
         if len(length) > len(str(most)) or int(length) > most:
             raise RefusedError(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"a request has at most {most} bytes")
         self._place.enter(BODY)
-        found = self.rfile.read(int(length))
+        body = self.rfile.read(int(length))
         self._place.enter(ANSWER)
-        return found
+        return body
 
     def _send(self, status: HTTPStatus, content: bytes, media_type: str, **headers: str) -> None:
         """Send an answer in one write, so that it goes out in one piece."""
@@ -270,5 +270,5 @@ def pages() -> dict[str, Page]:
     ['index.html', 'panes.css', 'style.css', 'vendor/uPlot.min.css']
     """
     files = [path for path in sorted(STATIC.rglob("*")) if path.suffix in TYPES]
-    found = {path.relative_to(STATIC).as_posix(): Page(path.read_bytes(), TYPES[path.suffix]) for path in files}
-    return found | {"": found[INDEX]}
+    contents = {path.relative_to(STATIC).as_posix(): Page(path.read_bytes(), TYPES[path.suffix]) for path in files}
+    return contents | {"": contents[INDEX]}

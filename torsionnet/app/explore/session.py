@@ -361,9 +361,9 @@ def open_session(
     base.configured(configuration, **values)  # refuses what is impossible before a page is opened
     start = opening_state(base, choice, values, pairs, band or _band(base), test, over_speed)
     if over_speed:
-        found = base.order_response(list(over_speed))  # refuses a name that is none
+        calculated = base.order_response(list(over_speed))  # refuses a name that is none
         if measured is not None:
-            _check_orders(measured, found)
+            _check_orders(measured, calculated)
     elif measured is not None:
         raise UsageError(
             "measured orders are drawn over the speed: say which output they are of with --over-speed",
@@ -399,11 +399,11 @@ def opening_state(
 
 def _band(base: Drivetrain) -> tuple[float, float]:
     """Frequencies in Hz that suit the modes of all configurations whose operating point is in balance."""
-    found: list[Modes] = []
+    modes: list[Modes] = []
     for name in ("", *base.configurations[:MOST_SURVEYED]):
         with contextlib.suppress(TorsionnetError):  # the page says why, once that configuration is chosen
-            found.append(base.configured(name).modes() if name else base.modes())
-    return opening_range(*found) if found else BAND_WITHOUT_MODES
+            modes.append(base.configured(name).modes() if name else base.modes())
+    return opening_range(*modes) if modes else BAND_WITHOUT_MODES
 
 
 def _check_orders(path: str | os.PathLike[str], run: OrderResponse) -> None:

@@ -166,9 +166,9 @@ def _size(name: str, plain: Drivetrain, units: Mapping[str, str]) -> float:
     """Upper end in SI of the slider of a parameter that is 0: by its alternatives, parameters of its unit, or 1."""
     overlays = [overlay for axis in plain.definition.configurations.values() for overlay in axis.values()]
     numbers = [overlay.parameters[name] for overlay in overlays if name in overlay.parameters]
-    found = [abs(float(number.value)) for number in numbers if isinstance(number, Number)]
-    if max(found, default=0.0) > 0:
-        return RANGE_FACTOR * max(found)
+    sizes = [abs(float(number.value)) for number in numbers if isinstance(number, Number)]
+    if max(sizes, default=0.0) > 0:
+        return RANGE_FACTOR * max(sizes)
     alike = [abs(plain.parameters[other]) for other in units if units[other] and units[other] == units[name]]
     largest = max(alike, default=0.0)
     return largest if 0 < largest < math.inf else 1.0
@@ -246,8 +246,8 @@ def _resists(network: LawNetwork, before: Tangents, one: PlacedMotionLaw) -> boo
 
 
 def _row(network: LawNetwork, row: Mapping[str, float]) -> FloatArray:
-    found = network.free.in_floats(exact_row({node: share for node, share in row.items() if node in network.order}))
-    return np.array([found.get(name, 0.0) for name in network.free_motions])
+    shares = network.free.in_floats(exact_row({node: share for node, share in row.items() if node in network.order}))
+    return np.array([shares.get(name, 0.0) for name in network.free_motions])
 
 
 # Sliders of the explore page for the operating point of a model with laws of motion, and for the size of its load.
@@ -314,16 +314,16 @@ def all_point_rows(rig: Drivetrain) -> list[PointSlider]:
     if not any(one.has_motion_laws for one in rig.definition.elements.values()):
         return []
     points = [overlay.operating_point for axis in rig.definition.configurations.values() for overlay in axis.values()]
-    found = {row.name: row for row in _point_sliders(rig.definition)}
+    rows = {row.name: row for row in _point_sliders(rig.definition)}
     for point in points if rig.definition.load is None else ():
         for place in point.torque if point else ():
             name = setting_name(TORQUE, place)
-            found.setdefault(name, PointSlider(name, f"torque on {place}", TORQUE, place))
+            rows.setdefault(name, PointSlider(name, f"torque on {place}", TORQUE, place))
     for point in points:
         for node in point.speed if point else ():
             name = setting_name(SPEED, node)
-            found.setdefault(name, PointSlider(name, f"speed of {node}", SPEED, node))
-    return list(found.values())
+            rows.setdefault(name, PointSlider(name, f"speed of {node}", SPEED, node))
+    return list(rows.values())
 
 
 def point_settings(values: Mapping[str, Any], rig: Drivetrain) -> dict[str, Any]:

@@ -193,16 +193,16 @@ class PageRequest:
 
     def text(self, name: str, most: int = MOST_BYTES) -> str:
         """Text of at most so many bytes in UTF-8 code."""
-        found = self.entries.get(name)
-        if not isinstance(found, str):
+        text = self.entries.get(name)
+        if not isinstance(text, str):
             raise RequestError(f"{name} is a text")
         try:
-            size = len(found) if found.isascii() else len(found.encode())
+            size = len(text) if text.isascii() else len(text.encode())
         except UnicodeEncodeError:
             raise RequestError(f"{name} holds half of a character, which no file can hold; delete it") from None
         if size > most:
             raise TooLargeError(f"{name} is too large: more than {most:,} bytes".replace(",", " "))
-        return found
+        return text
 
     def short(self, name: str) -> str:
         """Text of the length of a name."""
@@ -210,17 +210,17 @@ class PageRequest:
 
     def number(self, name: str, most: int = MOST_REVISION) -> int:
         """Whole number from 0."""
-        found = self.entries.get(name)
-        if not isinstance(found, int) or isinstance(found, bool) or not 0 <= found <= most:
+        number = self.entries.get(name)
+        if not isinstance(number, int) or isinstance(number, bool) or not 0 <= number <= most:
             raise RequestError(f"{name} is a whole number from 0")
-        return found
+        return number
 
     def flag(self, name: str) -> bool:
         """Truth value, false where it is missing."""
-        found = self.entries.get(name, False)
-        if not isinstance(found, bool):
+        flag = self.entries.get(name, False)
+        if not isinstance(flag, bool):
             raise RequestError(f"{name} is true or false")
-        return found
+        return flag
 
 
 class TooLargeError(RequestError):
@@ -259,7 +259,7 @@ def _no_number(text: str) -> Any:
 
 
 def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found = dict(pairs)
-    if len(found) < len(pairs):
+    entries = dict(pairs)
+    if len(entries) < len(pairs):
         raise RequestError("a name stands twice in the request; keep one of them")
-    return found
+    return entries

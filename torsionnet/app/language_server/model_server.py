@@ -120,7 +120,7 @@ class ModelServer(LanguageServer):
             protocol_cls=AnsweringProtocol,
         )
         self.checks = CheckSchedule(self._check)
-        self.found: dict[str, tuple[OpenModel, list[LocatedFault]]] = {}
+        self.last_faults: dict[str, tuple[OpenModel, list[LocatedFault]]] = {}
         """Last faults of each open file, with the text in which they are."""
         self.read: dict[str, set[Path]] = {}
         """Files that each open file reads, as far as its last check came."""
@@ -174,7 +174,7 @@ class ModelServer(LanguageServer):
         self.checks.drop(uri)
         self.read.pop(uri, None)
         self.models.discard(uri)
-        if self.found.pop(uri, None) is not None:
+        if self.last_faults.pop(uri, None) is not None:
             self.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, []))
         for other in self._reading(_real_path(uri)):
             self.checks.ask(other, CHANGE_DELAY)
@@ -184,7 +184,7 @@ class ModelServer(LanguageServer):
     async def _check(self, uri: str) -> None:
         model = self.open_model(uri)
         if model is None:
-            if self.found.pop(uri, None) is not None:
+            if self.last_faults.pop(uri, None) is not None:
                 self.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, []))
             return
         version = self._documents()[uri].version
@@ -193,12 +193,12 @@ class ModelServer(LanguageServer):
         except Exception as error:  # noqa: BLE001
             self.tell(f"checking {model.file}", error)
             return
-        self.found[uri], self.read[uri] = (model, faults), read
+        self.last_faults[uri], self.read[uri] = (model, faults), read
         self.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, shown, version))
 
     def faults(self, model: OpenModel) -> list[LocatedFault]:
         """Faults of a text, found anew where the last ones are of another text."""
-        known = self.found.get(model.uri)
+        known = self.last_faults.get(model.uri)
         return known[1] if known is not None and known[0] == model else faults_in_editor(model)
 
     # answers

@@ -70,10 +70,10 @@ class PortTable(Mapping[str, Mapping[str, str]]):
 class Recorder(Renaming):
     """Renaming that leaves all names as they are and keeps a list of them."""
 
-    found: list[Mention] = field(default_factory=list)
+    kept: list[Mention] = field(default_factory=list)
 
     def _kept(self, kind: str, name: str, part: str = "") -> str:
-        self.found.append(Mention(kind, name, part))
+        self.kept.append(Mention(kind, name, part))
         return name
 
     def own(self, name: str) -> str:
@@ -116,14 +116,14 @@ class Recorder(Renaming):
 
     def mentions(self, spec: Spec[Any], raw: object) -> list[Mention]:
         """Mentions in the value of an entry as a file gives it, in the order of the text; none where it is faulty."""
-        self.found.clear()
+        self.kept.clear()
         try:
             value, faults = spec.read(raw)
             if value is not None and not faults:
                 spec.renamed(value, self)
         except (TorsionnetError, ArithmeticError):  # as of sizes that only the reading of the whole model refuses
-            self.found.clear()
-        return list(self.found)
+            self.kept.clear()
+        return list(self.kept)
 
 
 _TABLES = {"element": "elements", "parameter": "parameters", "excitation": "excitations"}

@@ -103,7 +103,7 @@ class _Walk:
 
     def __init__(self, root: LocatedNode, stretches: TextStretches, unplaced: set[EntryPath]) -> None:
         self.root, self.stretches, self.unplaced = root, stretches, unplaced
-        self.found: dict[TextSpan, NamedPlace] = {}
+        self.by_span: dict[TextSpan, NamedPlace] = {}
 
     def places(self) -> tuple[NamedPlace, ...]:
         from torsionnet.model.definition import Definition
@@ -115,7 +115,7 @@ class _Walk:
         for name, part in parts.entries.items() if parts else ():
             if isinstance(part.value, Mapping):
                 self.sections(part, Part.entry_specs(part.value), Scope(("parts", name), part.value))
-        return self.with_first_mentions(sorted(self.found.values(), key=lambda place: place.span))
+        return self.with_first_mentions(sorted(self.by_span.values(), key=lambda place: place.span))
 
     @staticmethod
     def with_first_mentions(places: list[NamedPlace]) -> tuple[NamedPlace, ...]:
@@ -163,7 +163,7 @@ class _Walk:
 
     def defined(self, name: str, kind: str, span: TextSpan, home: EntryPath) -> None:
         if self.stretches.lines.text[span.start : span.end] == name:
-            self.found.setdefault(span, NamedPlace(name, kind, span, True, home, home))
+            self.by_span.setdefault(span, NamedPlace(name, kind, span, True, home, home))
         else:
             self.unplaced.add(home)
 
@@ -202,7 +202,7 @@ class _Walk:
                     self.unplaced.update(() if is_elsewhere else (home.home,))
                     continue
                 own = TextSpan(span.start + home.start, span.start + home.start + len(home.name))
-                self.found.setdefault(own, NamedPlace(home.name, home.kind, own, False, path, home.home))
+                self.by_span.setdefault(own, NamedPlace(home.name, home.kind, own, False, path, home.home))
 
 
 def _in_element(place: NamedPlace) -> bool:

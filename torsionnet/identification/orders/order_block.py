@@ -125,26 +125,26 @@ class OrderBlock(MeasurementBlock):
         """
         if self.form != "magnitude":
             return super().residuals(values)
-        found, slopes = self.predicted(values)
+        amplitudes, slopes = self.predicted(values)
         noise = self.noise if self.lines.is_known else 0.0
         # Noise sigma in both parts lengthens a phasor A, to first order to sqrt(A^2 + sigma^2).
-        size = np.sqrt(np.abs(found) ** 2 + noise)
-        rates = (found.conj()[:, None] * slopes).real / np.maximum(size, np.finfo(float).tiny)[:, None]
+        size = np.sqrt(np.abs(amplitudes) ** 2 + noise)
+        rates = (amplitudes.conj()[:, None] * slopes).real / np.maximum(size, np.finfo(float).tiny)[:, None]
         return (size - np.abs(self.measured)) / self.sizes, rates / self.sizes[:, None]
 
     @property
     def remark(self) -> str:
-        found = []
+        remarks = []
         if self.lines.left_out:
             orders = comma_list([f"{one:g}" for one in self.lines.left_out])
-            found.append(f"has orders that the model does not excite, which are left out: {orders}")
+            remarks.append(f"has orders that the model does not excite, which are left out: {orders}")
         if not self.lines.has_phase:
             data = self.measurement.data
             why = "phases without a reference" if isinstance(data, TrackedOrders) else "no phases"
-            found.append(f"has {why}, so amplitudes are compared")
+            remarks.append(f"has {why}, so amplitudes are compared")
         if not self.lines.is_known:
-            found.append("has no intervals: its noise is taken from the scatter over speed")
-        return f"{self.measurement.label} {'; '.join(found)}" if found else ""
+            remarks.append("has no intervals: its noise is taken from the scatter over speed")
+        return f"{self.measurement.label} {'; '.join(remarks)}" if remarks else ""
 
     def measured_noise(self, values: FloatArray) -> Noise | None:
         if self.lines.is_known:
@@ -153,9 +153,9 @@ class OrderBlock(MeasurementBlock):
         count = len(self.frequencies)
         lines = residual if self.parts == 1 else residual[:count] + 1j * residual[count:]
         related = self.known_correlation[:count, :count]
-        found = [noise_between_lines(lines[run], related[run, run]) for run in self.runs]
-        known = [one for one in found if one is not None]
-        if len(known) < len(found):
+        by_run = [noise_between_lines(lines[run], related[run, run]) for run in self.runs]
+        known = [one for one in by_run if one is not None]
+        if len(known) < len(by_run):
             return None
         return Noise(np.concatenate([one.ratio for one in known]), sum(one.certainty for one in known))
 
@@ -167,10 +167,10 @@ class OrderBlock(MeasurementBlock):
         self.noise = other.noise * left
 
     def with_model(self, rig: AssembledModel, measurement: Measurement, parameters: tuple[str, ...]) -> OrderBlock:
-        found = copy(self)
-        found.measurement = measurement
-        found.response = _response(rig, measurement, self.lines, parameters)
-        return found
+        block = copy(self)
+        block.measurement = measurement
+        block.response = _response(rig, measurement, self.lines, parameters)
+        return block
 
 
 def order_block(rig: AssembledModel, measurement: Measurement, parameters: tuple[str, ...], form: Form) -> OrderBlock:
@@ -251,9 +251,9 @@ def reference_angles(block: OrderBlock, values: FloatArray) -> tuple[float, ...]
         ]
     )
     likely = costs <= costs.min() + LIKELY_EXCESS * (costs.max() - costs.min())
-    found = [k for k in np.flatnonzero(likely) if costs[k] <= costs[k - 1] and costs[k] < costs[(k + 1) % steps]]
+    minima = [k for k in np.flatnonzero(likely) if costs[k] <= costs[k - 1] and costs[k] < costs[(k + 1) % steps]]
     # Equal minima, as without half orders: the smallest angle first.
-    ranked = sorted(found, key=lambda k: (round(costs[k] / max(costs.max(), np.finfo(float).tiny), 9), abs(angles[k])))
+    ranked = sorted(minima, key=lambda k: (round(costs[k] / max(costs.max(), np.finfo(float).tiny), 9), abs(angles[k])))
     return tuple(float(angles[k]) for k in ranked[:MOST_MINIMA])
 
 
@@ -314,13 +314,13 @@ class PartOfOrders:
         SolveError
             They are not finite there.
         """
-        found = self.whole.evaluation(values)
-        return Evaluation(found.values[self.lines], found.jacobian[self.lines])
+        evaluation = self.whole.evaluation(values)
+        return Evaluation(evaluation.values[self.lines], evaluation.jacobian[self.lines])
 
 
 def with_shared_orders(blocks: Sequence[MeasurementBlock]) -> list[MeasurementBlock]:
     """Residual blocks, those of orders of the same drivetrain with their orders calculated together."""
-    found = list(blocks)
+    shared = list(blocks)
     groups: dict[tuple[int, str], list[int]] = {}
     for place, block in enumerate(blocks):
         if isinstance(block, OrderBlock) and isinstance(block.response, ParametricOrders):
@@ -331,23 +331,23 @@ def with_shared_orders(blocks: Sequence[MeasurementBlock]) -> list[MeasurementBl
             first = 0
             for place in together if len(together) > 1 else ():
                 last = first + len(blocks[place].frequencies)
-                found[place] = copy(blocks[place])
-                found[place].response = PartOfOrders(whole, slice(first, last))
+                shared[place] = copy(blocks[place])
+                shared[place].response = PartOfOrders(whole, slice(first, last))
                 first = last
-    return found
+    return shared
 
 
 def _in_batches(places: Sequence[int], counts: Sequence[int]) -> list[list[int]]:
     """Places of blocks that are calculated together, as many as their lines (``counts``) allow."""
-    found: list[list[int]] = []
+    batches: list[list[int]] = []
     lines = 0
     for place in places:
         lines += counts[place]
-        if not found or lines > MOST_LINES_TOGETHER:
-            found.append([])
+        if not batches or lines > MOST_LINES_TOGETHER:
+            batches.append([])
             lines = counts[place]
-        found[-1].append(place)
-    return found
+        batches[-1].append(place)
+    return batches
 
 
 def _joined(several: Sequence[ParametricOrders]) -> ParametricOrders:

@@ -95,12 +95,12 @@ def parts_by_phase(measurement: Measurement) -> tuple[Measurement, ...]:
     else:
         parts = [tuple(one for one in data if (one.values is None) == lacks) for lacks in (False, True)]
     both = all(len(measured_orders(part)) for part in parts)
-    found = []
+    measurements = []
     for part, is_blind in zip(parts, (False, True), strict=True):
         used = tuple(one for one in measurement.orders_used if _among(one, measured_orders(part)))
         if not measured_orders(part) or (measurement.orders_used and not used):
             continue
-        found.append(
+        measurements.append(
             replace(
                 measurement,
                 data=part,
@@ -110,7 +110,7 @@ def parts_by_phase(measurement: Measurement) -> tuple[Measurement, ...]:
                 reference_angle=measurement.reference_angle and not (is_blind and both),
             )
         )
-    return tuple(found) or (measurement,)
+    return tuple(measurements) or (measurement,)
 
 
 def _only(data: TrackedOrders, kept: NDArray[np.bool_]) -> TrackedOrders:
@@ -160,31 +160,31 @@ def order_lines(measurement: Measurement, excited: Sequence[float]) -> OrderLine
 def order_faults(measurement: Measurement, excited: Sequence[float]) -> list[Fault]:
     """Faults of a measurement of orders, each with its entry, all at once."""
     data: OrderData = measurement.data  # type: ignore[assignment]
-    there, found = measured_orders(data), []
+    there, faults = measured_orders(data), []
     if missing := [one for one in measurement.orders_used if not _among(one, there)]:
         text = f"order {_orders(missing)} was not measured; there are {_orders(there)}"
-        found.append(Fault(text, ("orders_used",), kind="unknown-order"))
+        faults.append(Fault(text, ("orders_used",), kind="unknown-order"))
     if silent := [one for one in measurement.orders_used if _among(one, there) and not _among(one, excited)]:
         text = f"the model does not excite order {_orders(silent)}; its orders are {_orders(excited)}"
         text = f"{text}; leave it out, or give the model what excites it"
-        found.append(Fault(text, ("orders_used",), kind="unknown-order"))
+        faults.append(Fault(text, ("orders_used",), kind="unknown-order"))
     if not measurement.orders_used and not any(_among(one, excited) for one in there):
         text = f"the model excites none of the measured orders {_orders(there)}; its orders are {_orders(excited)}"
-        found.append(Fault(text, ("orders",), kind="unknown-order"))
+        faults.append(Fault(text, ("orders",), kind="unknown-order"))
     speeds = np.concatenate([_columns(row)[1] for row in _rows(data)])
     if measurement.speeds is not None and not _inside(measurement.speeds, speeds).any():
         low, high = (edge * RPM for edge in measurement.speeds)
         text = f"nothing was measured from {low:g} to {high:g} rpm: {_speeds_there(speeds)}"
-        found.append(Fault(text, ("speeds",), kind="missing-data"))
+        faults.append(Fault(text, ("speeds",), kind="missing-data"))
     if not shows_phases(measurement):
         if measurement.reference_angle:
             text = "a reference angle is found from phases, but the phases of these orders have no reference"
             text = f"{text}; track them against a pulse or an encoder's index"
-            found.append(Fault(text, ("reference_angle",), kind="missing-data"))
+            faults.append(Fault(text, ("reference_angle",), kind="missing-data"))
         if measurement.delay:
             text = "a delay is found from phases, but these orders have none against a reference"
-            found.append(Fault(text, ("delay",), kind="missing-data"))
-    return found
+            faults.append(Fault(text, ("delay",), kind="missing-data"))
+    return faults
 
 
 Row = tuple[float, FloatArray, ComplexArray, FloatArray, FloatArray, float]
@@ -221,9 +221,9 @@ def _correlation(orders: FloatArray, times: FloatArray, related: FloatArray) -> 
     apart = np.abs(times[:, None] - times) / np.where(related > 0, related, np.finfo(float).tiny)
     alike = np.where((orders[:, None] == orders) & (apart < 1), 1 - apart, 0.0)
     np.fill_diagonal(alike, 1.0)
-    found = scipy.sparse.csr_array(alike)
+    correlation = scipy.sparse.csr_array(alike)
     # Far apart, as an average over bins of speed leaves them, they are independent.
-    return found if found.nnz > len(orders) else None
+    return correlation if correlation.nnz > len(orders) else None
 
 
 def _lines_in_bands(measurement: Measurement, orders: FloatArray, speeds: FloatArray) -> NDArray[np.bool_]:
@@ -254,11 +254,11 @@ def _deviations(
     follow the amplitude from speed to speed.
     """
     stated = np.isfinite(widths) & (widths > 0)
-    found = np.where(stated, widths / DEVIATIONS_PER_HALF_WIDTH, np.nan)
+    deviations = np.where(stated, widths / DEVIATIONS_PER_HALF_WIDTH, np.nan)
     if measurement.error is not None:
-        return np.where(stated, found, measurement.error * np.abs(values)), True
+        return np.where(stated, deviations, measurement.error * np.abs(values)), True
     if stated.any():
-        return np.where(stated, found, np.median(found[stated])), True
+        return np.where(stated, deviations, np.median(deviations[stated])), True
     # Without intervals the noise of an order is in proportion to its RMS over speed, and the fit finds the factor.
     level = np.empty(len(orders))
     for order in np.unique(orders):

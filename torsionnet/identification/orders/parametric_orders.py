@@ -43,15 +43,15 @@ def numbers_of_excitations(model: Model, names: Sequence[str]) -> dict[str, Exci
     UsageError
         An excitation has no such number.
     """
-    definition, found = model.definition, {}
+    definition, numbers = model.definition, {}
     for name in names:
         element, _, field = name.rpartition(".")
         of_element = element in definition.elements and field in definition.elements[element].scalars()
         if name not in definition.parameters and not of_element:
             number = excitation_number(definition.excitations, name)
             if number is not None:
-                found[name] = number
-    return found
+                numbers[name] = number
+    return numbers
 
 
 def parameters_of_drivetrain(model: Model, names: Sequence[str]) -> tuple[str, ...]:
@@ -116,8 +116,8 @@ class ParametricOrders:
     >>> import torsionnet as tn
     >>> rig = tn.load("engine_generator_set").configured("normal")
     >>> orders = ParametricOrders.of(rig, "T_cpl", np.array([3.0]), np.array([90.0]), ["engine.misfire_share.4"])
-    >>> found = orders.evaluation(orders.start)
-    >>> bool(abs(found.values[0, 0, 0] - rig.order_response("T_cpl", speeds=[90.0]).values[0, 5, 0]) < 1e-6)
+    >>> evaluation = orders.evaluation(orders.start)
+    >>> bool(abs(evaluation.values[0, 0, 0] - rig.order_response("T_cpl", speeds=[90.0]).values[0, 5, 0]) < 1e-6)
     True
     """
 
@@ -208,10 +208,10 @@ class ParametricOrders:
     def _evaluated(self, given: Mapping[str, float]) -> Evaluation:
         gains, slopes = self._gains([given[name] for name in self._structural])
         loads, load_slopes = self._loads_and_slopes({name: given[name] for name in self._numbers})
-        found = np.zeros(len(self.orders), dtype=complex)
+        amplitudes = np.zeros(len(self.orders), dtype=complex)
         jacobian = np.zeros((len(self.orders), len(self.names)), dtype=complex)
         # Sum of G T over the inputs; several lines of the model may be one measured order.
-        np.add.at(found, self._pairs.measured, (gains * loads).sum(axis=1))
+        np.add.at(amplitudes, self._pairs.measured, (gains * loads).sum(axis=1))
         # G dT/dp for a number of an excitation, dG/dp T for a value of the shafts.
         for place, name in enumerate(self.names):
             if name in self._numbers:
@@ -219,7 +219,7 @@ class ParametricOrders:
             else:
                 moved = slopes[:, :, self._structural.index(name)] * loads
             np.add.at(jacobian[:, place], self._pairs.measured, moved.sum(axis=1))
-        return Evaluation(found[:, None, None], jacobian[:, None, None])
+        return Evaluation(amplitudes[:, None, None], jacobian[:, None, None])
 
     def _gains(self, values: Sequence[float]) -> tuple[ComplexArray, ComplexArray]:
         """Receptances (n_pairs, n_inputs) and their derivatives (n_pairs, n_inputs, n_structural)."""
@@ -231,9 +231,9 @@ class ParametricOrders:
         gains = np.zeros((count, len(first.loads)), dtype=complex)
         slopes = np.zeros((count, len(first.loads), len(values)), dtype=complex)
         for response, pairs, frequency in self._responses:
-            found = response.evaluation(values)
+            evaluation = response.evaluation(values)
             output = self.output_of[self._pairs.measured[pairs]]
-            gains[pairs], slopes[pairs] = found.values[frequency, output], found.jacobian[frequency, output]
+            gains[pairs], slopes[pairs] = evaluation.values[frequency, output], evaluation.jacobian[frequency, output]
         # At negative frequencies G is the conjugate.
         backward = self._pairs.hertz < 0
         gains[backward], slopes[backward] = gains[backward].conj(), slopes[backward].conj()
@@ -242,10 +242,10 @@ class ParametricOrders:
     def _loads_and_slopes(self, numbers: Mapping[str, float]) -> tuple[ComplexArray, dict[str, ComplexArray]]:
         """Complex torques or motions (n_pairs, n_inputs) and their derivatives by each number of an excitation."""
 
-        def found() -> tuple[ComplexArray, dict[str, ComplexArray]]:
+        def loads_and_slopes() -> tuple[ComplexArray, dict[str, ComplexArray]]:
             return self._loads(numbers), {name: self._load_slopes(name, numbers) for name in numbers}
 
-        return self._last_loads.once(tuple(numbers.values()), found)
+        return self._last_loads.once(tuple(numbers.values()), loads_and_slopes)
 
     def _loads(self, numbers: Mapping[str, float]) -> ComplexArray:
         """Complex torques or motions (n_pairs, n_inputs) with these numbers of the excitations."""
@@ -253,8 +253,8 @@ class ParametricOrders:
         for name, value in numbers.items():
             number = self._numbers[name]
             changed[number.excitation] = with_number(changed[number.excitation], number, value)
-        found = replace(self._request, excitations=changed).loads(self._request.speeds)
-        return np.asarray(found.loads[self._pairs.speed, self._pairs.line])
+        phasors = replace(self._request, excitations=changed).loads(self._request.speeds)
+        return np.asarray(phasors.loads[self._pairs.speed, self._pairs.line])
 
     def _load_slopes(self, name: str, numbers: Mapping[str, float]) -> ComplexArray:
         number = self._numbers[name]
@@ -305,7 +305,7 @@ def _pairs_of(request: OrderRequest, orders: FloatArray, speed: NDArray[np.intp]
 def _responses(
     request: OrderRequest, outputs: Sequence[str | Sensor], pairs: _Pairs, structural: tuple[str, ...]
 ) -> list[tuple[ParametricResponse, NDArray[np.intp], NDArray[np.intp]]]:
-    rig, found = request.drivetrain, []
+    rig, responses = request.drivetrain, []
     inputs: list[Any] = list(request.loads(request.speeds[:1]).inputs)
     twisted = [one.of for one in inputs if one.quantity == "twist"]
     if twisted:
@@ -316,5 +316,5 @@ def _responses(
         mine = np.flatnonzero(np.isin(pairs.speed, places))
         if len(mine):
             frequencies, where = np.unique(np.abs(pairs.hertz[mine]), return_inverse=True)
-            found.append((parametric_response(one, outputs, inputs, frequencies, structural), mine, where.ravel()))
-    return found
+            responses.append((parametric_response(one, outputs, inputs, frequencies, structural), mine, where.ravel()))
+    return responses

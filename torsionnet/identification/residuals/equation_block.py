@@ -133,13 +133,13 @@ def _through(rows: FloatArray, kernel: FloatArray) -> FloatArray:
 
 def _width(twist: FloatArray, noise: float) -> int:
     """Samples of the cubics by which a twist is smoothed: in no part of it they leave more than its noise."""
-    found = WIDTHS[0]
+    width = WIDTHS[0]
     for narrower, wider in pairwise(WIDTHS):
         left = (twist - scipy.signal.savgol_filter(twist, wider, 3)) if wider < len(twist) // PARTS else None
         if left is None or max(float(np.std(one)) for one in np.array_split(left, PARTS)) > AS_NOISE * noise:
             break
-        found = narrower  # with an error by bending a tenth of that of the wider one
-    return found
+        width = narrower  # with an error by bending a tenth of that of the wider one
+    return width
 
 
 @dataclass(eq=False)
@@ -249,11 +249,11 @@ class EquationBlock(MeasurementBlock):
         """Terms (n_b,) in N m of the linear rest and of the torque."""
         one = self.motion
         twist = (one.twist + extra.get("delay", 0.0) * one.rate) / (extra.get("gain", 1.0) * rest.output)
-        found = -rest.drive * self._bumped(one.torque, 1)
+        terms = -rest.drive * self._bumped(one.torque, 1)
         for number, factor in enumerate((rest.stiffness, -rest.damping, rest.inertia), 1):
             if factor:
-                found = found + factor * self._bumped(twist, number)
-        return np.asarray(found)
+                terms = terms + factor * self._bumped(twist, number)
+        return np.asarray(terms)
 
     def _bumped(self, signal: FloatArray, number: int) -> FloatArray:
         return np.asarray(np.correlate(signal, self.bumps[number], "valid")[self.places])
@@ -297,9 +297,9 @@ class EquationBlock(MeasurementBlock):
             self._placed(np.tile(rest.drive * by_torque * phi, (len(weights), 1))),
             self._placed(self._under(slope * one.turning) * phi),
         )
-        found = np.asarray(sum((share @ share.T).toarray() for share in shares))
+        covariance = np.asarray(sum((share @ share.T).toarray() for share in shares))
         least = (1e-9 * float(np.abs(ends[0]).max()) + np.finfo(float).tiny ** 0.5) ** 2
-        return found + np.diag(OTHER * np.diag(found) + least)
+        return covariance + np.diag(OTHER * np.diag(covariance) + least)
 
     @property
     def deviations(self) -> FloatArray:
@@ -318,8 +318,8 @@ class EquationBlock(MeasurementBlock):
         # Bumps overlap: L^-1 of the covariance L L^T makes equations of independent noise of them.
         lower = np.linalg.cholesky(self.covariance)
         both = np.column_stack([(predicted - self.measured).real, slopes.real])
-        found = scipy.linalg.solve_triangular(lower, both, lower=True)
-        return np.asarray(found[:, 0]), np.asarray(found[:, 1:])
+        whitened = scipy.linalg.solve_triangular(lower, both, lower=True)
+        return np.asarray(whitened[:, 0]), np.asarray(whitened[:, 1:])
 
     def likely_delay(self, values: FloatArray) -> float:
         del values
@@ -329,8 +329,8 @@ class EquationBlock(MeasurementBlock):
         """Noise as twist and torque have it from sample to sample, at the stiffness found."""
         numbers = values[: len(self.response.names)]
         scale = self._scale(self.equation.rest(numbers.tolist()), self._channel(values))
-        found = np.diag(self._noise(numbers)) * scale**2
-        return Noise(found / np.diag(self.covariance), float(len(self.motion.twist)))
+        variances = np.diag(self._noise(numbers)) * scale**2
+        return Noise(variances / np.diag(self.covariance), float(len(self.motion.twist)))
 
     def take_measured_noise(self, noise: Noise) -> None:
         size = np.sqrt(noise.ratio)
@@ -341,11 +341,11 @@ class EquationBlock(MeasurementBlock):
         self.covariance = other.covariance * left
 
     def with_model(self, rig: AssembledModel, measurement: Measurement, parameters: tuple[str, ...]) -> EquationBlock:
-        found = copy(self)
-        found.measurement = measurement
+        block = copy(self)
+        block.measurement = measurement
         response: Any = _equation(rig, measurement, self.motion, parameters)  # a curve over time, not over frequency
-        found.response = response
-        return found
+        block.response = response
+        return block
 
 
 def equation_block(

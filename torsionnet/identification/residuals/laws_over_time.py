@@ -42,16 +42,16 @@ def torque_over_time(
     """
     if element.kind == "friction" and getattr(element, "stiffness", None) is not None:
         return slider(*slider_of(element, parts), twist)
-    found = np.zeros(twist.shape)
+    torque = np.zeros(twist.shape)
     for part in parts:
         if isinstance(part, MotionLaw) and part.row == row and not part.lag and not part.sensed:
-            found += _over(part, twist, rate)
+            torque += _over(part, twist, rate)
         elif isinstance(part, Law) and part.row == row and part.table is None and not part.loss_factor:
-            found += float(part.stiffness) * twist + float(part.damping) * rate
+            torque += float(part.stiffness) * twist + float(part.damping) * rate
         elif not (isinstance(part, Law) and part.row != row):
             text = f"{element.name} has a law that depends on frequency or on more than its twist and rate"
             raise UsageError(f"{text}, which has no torque over them", kind="unsupported-law")
-    return found
+    return torque
 
 
 def _over(law: MotionLaw, twist: FloatArray, rate: FloatArray) -> FloatArray:
@@ -140,6 +140,6 @@ def stiffness_by_harmonics(
         further = further - change
         if np.abs(change).max() < SETTLED * amplitudes.max():
             break
-    found = (answered(further)[:, 0] - plain) / amplitudes
+    by_harmonics = (answered(further)[:, 0] - plain) / amplitudes
     lost = ~(np.abs(change).max(axis=1) < LOST * amplitudes)
-    return np.asarray(np.where(lost, 0.0, found))
+    return np.asarray(np.where(lost, 0.0, by_harmonics))

@@ -250,16 +250,16 @@ class Instrument:
         UsageError
             The reference does not drive the input.
         """
-        found = of(self.signal)
+        of_signal = of(self.signal)
         if not self.is_clean:
-            return self, found
+            return self, of_signal
         # Coherence |sum R^* X|^2/(sum |R|^2 sum |X|^2) with the input: near 0 the signal does not drive it.
         with np.errstate(divide="ignore", invalid="ignore"):
-            both = np.abs((found.conj() * of_input).sum(axis=0)) ** 2
-            shares = both / (np.abs(found) ** 2).sum(axis=0) / (np.abs(of_input) ** 2).sum(axis=0)
+            both = np.abs((of_signal.conj() * of_input).sum(axis=0)) ** 2
+            shares = both / (np.abs(of_signal) ** 2).sum(axis=0) / (np.abs(of_input) ** 2).sum(axis=0)
         share = float(np.median(np.nan_to_num(shares)))
         if share >= LEAST_DRIVEN:
-            return self, found
+            return self, of_signal
         if self.asked:
             text = f"{self.signal} explains {100 * share:.2g} % of the input: it does not drive it"
             raise UsageError(f"{text}; name another reference", kind="unrelated-signals")
@@ -278,9 +278,9 @@ def choose_instrument(
     """
     if measurement.reference:
         return Instrument("Hr", record[measurement.reference].name)
-    asked, found = settings.estimator, _set_point(model, measurement, record)
-    if found and asked in ("", "Hr"):
-        return Instrument("Hr", found, asked=asked == "Hr")
+    asked, set_point = settings.estimator, _set_point(model, measurement, record)
+    if set_point and asked in ("", "Hr"):
+        return Instrument("Hr", set_point, asked=asked == "Hr")
     own = {"": measurement.input, "H1": measurement.input, "H2": measurement.output}
     if asked in own:
         return Instrument(asked or "H1", own[asked])

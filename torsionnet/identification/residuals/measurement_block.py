@@ -185,8 +185,8 @@ class MeasurementBlock(ABC):
         """Note on assumptions about the measurement for the notes of a fit, empty if there are none."""
         if self.course is None or (self.course.is_band_limited and not self.is_driven):
             return ""
-        found = course_remark(self.driving, self.course, float(self.frequencies.max()))
-        return f"{self.measurement.label}: {found}" if found else ""
+        remark = course_remark(self.driving, self.course, float(self.frequencies.max()))
+        return f"{self.measurement.label}: {remark}" if remark else ""
 
     def measured_noise(self, values: FloatArray) -> Noise | None:
         """Noise variance of each line (n_b,) over that which the weights suppose, without errors of the model.
@@ -196,13 +196,13 @@ class MeasurementBlock(ABC):
         residual, _ = self.residuals(values)
         count = len(self.frequencies)
         lines = residual if self.parts == 1 else residual[:count] + 1j * residual[count:]
-        found = noise_between_lines(lines, self.known_correlation[:count, :count])
-        if found is None:
+        noise = noise_between_lines(lines, self.known_correlation[:count, :count])
+        if noise is None:
             return None
         # A useless model leaves residuals that jump between lines; noise cannot exceed the measured response.
-        power = float(np.tile(found.ratio, len(residual) // count) @ self.absolute_scale**2)
+        power = float(np.tile(noise.ratio, len(residual) // count) @ self.absolute_scale**2)
         most = float(np.sum(np.abs(self.measured) ** 2))
-        return replace(found, ratio=found.ratio * min(1.0, most / power)) if power > 0 else found
+        return replace(noise, ratio=noise.ratio * min(1.0, most / power)) if power > 0 else noise
 
     @property
     def known_correlation(self) -> FloatArray:
@@ -221,13 +221,13 @@ class MeasurementBlock(ABC):
         self, rig: AssembledModel, measurement: Measurement, parameters: tuple[str, ...]
     ) -> MeasurementBlock:
         """Copy of the residuals against another model, with other flags of the measurement or other parameters."""
-        found, old = copy(self), self.response
-        found.measurement = measurement
+        block, old = copy(self), self.response
+        block.measurement = measurement
         output, into = measurement.model_output or measurement.output, measurement.model_input or measurement.input
         names = parameters_of_drivetrain(rig, parameters)
         plain = parametric_response(rig, output, into, old.frequencies, names, driven_by=measurement.excitation)
-        found.response = between_samples(plain, found.course, found.corrected_course)
-        return found
+        block.response = between_samples(plain, block.course, block.corrected_course)
+        return block
 
     @property
     def stated_course(self) -> BetweenSamples | None:
@@ -287,8 +287,8 @@ class MeasurementBlock(ABC):
     def _distorted(self, values: FloatArray, f: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         """Response of the model with delay and gain of the channel, SI, (n_f,), and derivatives (n_f, n)."""
         count = len(self.response.names)
-        found = self.response.evaluation(values[:count])
-        G, slopes = found.values[:, 0, 0], found.jacobian[:, 0, 0]
+        evaluation = self.response.evaluation(values[:count])
+        G, slopes = evaluation.values[:, 0, 0], evaluation.jacobian[:, 0, 0]
         extra = dict(zip(self.extra, values[count:], strict=True))
         # Channel g exp(-j omega tau) exp(j o phi) behind G; the columns are its derivatives by the product rule.
         turn = -2j * np.pi * f

@@ -96,12 +96,12 @@ def check_memory(label: str, record: Recording, settings: Welch, band: tuple[flo
     UsageError
         With advice on settings that take less.
     """
-    found = memory_demand(record, settings, band)
-    if found.most > MOST_BYTES:
-        size = found.most / 1e9
+    demand = memory_demand(record, settings, band)
+    if demand.most > MOST_BYTES:
+        size = demand.most / 1e9
         raise UsageError(
-            f"{label}: comparing {found.lines} lines from {band[0]:g} to {band[1]:g} Hz takes {size:.1f} GB of memory; "
-            "give a narrower band or shorter windows (seconds)",
+            f"{label}: comparing {demand.lines} lines from {band[0]:g} to {band[1]:g} Hz takes {size:.1f} GB of "
+            "memory; give a narrower band or shorter windows (seconds)",
             kind="too-large",
         )
 

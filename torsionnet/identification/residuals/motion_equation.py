@@ -105,12 +105,12 @@ class MotionEquation:
         """
         if self.linear is None:
             return LinearRest()
-        found, omega = beside_of(self.linear, self.row, numbers), 2 * np.pi * self.linear.frequencies
-        kappa = 1 / found.by_torque  # k_0 + k + j w c - w^2 J
+        beside, omega = beside_of(self.linear, self.row, numbers), 2 * np.pi * self.linear.frequencies
+        kappa = 1 / beside.by_torque  # k_0 + k + j w c - w^2 J
         inertia = -float((kappa[1] - kappa[0]).real / (omega[1] ** 2 - omega[0] ** 2))
         damping = float(kappa[0].imag / omega[0])
         stiffness = float(kappa[0].real + inertia * omega[0] ** 2)
-        g, p = found.of_twist * kappa, found.output_by_torque * kappa
+        g, p = beside.of_twist * kappa, beside.output_by_torque * kappa
         rest = np.asarray(stiffness + 1j * omega * damping - omega**2 * inertia, dtype=np.complex128)
         even = (_apart(rest, kappa), *(_apart(np.full(3, one[0].real), one) for one in (p, g)[: 1 + self.drives]))
         if max(even) > ONE_MASS:
@@ -154,8 +154,8 @@ class MotionEquation:
         return any(one.kind == "friction" and getattr(one, "stiffness", None) is not None for one in elements)
 
 
-def _apart(supposed: FloatArray | ComplexArray, found: ComplexArray) -> float:
-    return float(np.abs(supposed - found).max() / np.abs(found).max())
+def _apart(supposed: FloatArray | ComplexArray, expected: ComplexArray) -> float:
+    return float(np.abs(supposed - expected).max() / np.abs(expected).max())
 
 
 def motion_equation(
@@ -187,6 +187,6 @@ def motion_equation(
     linear_rig, held = linear_beside(varied, rig, elements, row, spring)
     outputs, driving = channels_beside(rig, output, into or next(iter(held)), excitation, elements[0])
     linear = parametric_response(linear_rig, outputs, [driving, *held], motion[1] * SPREAD, varied.parameters)
-    found = MotionEquation(rig, varied, elements, linear, held, spring, drives=bool(into))
-    found.rest(found.start.tolist())
-    return found
+    equation = MotionEquation(rig, varied, elements, linear, held, spring, drives=bool(into))
+    equation.rest(equation.start.tolist())
+    return equation

@@ -65,20 +65,20 @@ def sensor_noise_powers(
         made_up = rest + both @ shares
         shares = shares * np.mean(level / np.maximum(made_up, LEAST_POWER))
         return _above_zero(float(shares[0]), float(shares[1]))
-    found = weighted_mean([seen, (float(shares[1]), float(spread[1]))])
-    assert found is not None
+    input_power = weighted_mean([seen, (float(shares[1]), float(spread[1]))])
+    assert input_power is not None
     # With the input's power known the output's is fitted alone.
-    on_output, _ = _noise_powers(level, both[:, :1], rest + found[0] * gain, repeated)
-    return _above_zero(float(on_output[0]), found[0])
+    on_output, _ = _noise_powers(level, both[:, :1], rest + input_power[0] * gain, repeated)
+    return _above_zero(float(on_output[0]), input_power[0])
 
 
-def weighted_mean(found: Iterable[tuple[float, float] | None]) -> tuple[float, float] | None:
+def weighted_mean(estimates: Iterable[tuple[float, float] | None]) -> tuple[float, float] | None:
     """Mean of values weighted by their standard errors, and its own standard error, or None without values.
 
     >>> weighted_mean([(1.0, 1.0), None, (2.0, 1.0)])
     (1.5, 0.7071067811865476)
     """
-    known = [(value, max(error, np.finfo(float).tiny ** 0.25)) for value, error in filter(None, found)]
+    known = [(value, max(error, np.finfo(float).tiny ** 0.25)) for value, error in filter(None, estimates)]
     if not known:
         return None
     # Weights 1/e^2, and the mean has the error (sum 1/e^2)^(-1/2).
@@ -90,25 +90,25 @@ def _noise_powers(
     level: FloatArray, columns: FloatArray, rest: FloatArray, repeated: float
 ) -> tuple[FloatArray, FloatArray]:
     """Powers of noise sources whose sum with a known rest fits a measured noise level, and their standard errors."""
-    found, shares = np.maximum(level, LEAST_POWER), np.zeros(columns.shape[1])
+    fitted, shares = np.maximum(level, LEAST_POWER), np.zeros(columns.shape[1])
     for _ in range(REWEIGHTING_ROUNDS):
         # A level scatters in proportion to itself: rows over the level of the last round.
-        rows = columns / found[:, None]
+        rows = columns / fitted[:, None]
         scale = np.maximum(rows.max(axis=0), LEAST_POWER)
-        shares = scipy.optimize.nnls(rows / scale, (level - rest) / found)[0] / scale
-        found = np.maximum(rest + columns @ shares, LEAST_POWER)
-    return _probable(level - rest, columns, found, repeated)
+        shares = scipy.optimize.nnls(rows / scale, (level - rest) / fitted)[0] / scale
+        fitted = np.maximum(rest + columns @ shares, LEAST_POWER)
+    return _probable(level - rest, columns, fitted, repeated)
 
 
 def _probable(
-    level: FloatArray, columns: FloatArray, found: FloatArray, repeated: float
+    level: FloatArray, columns: FloatArray, fitted: FloatArray, repeated: float
 ) -> tuple[FloatArray, FloatArray]:
     """Means of noise powers under a normal distribution cut off at 0, and their standard deviations, (n_sources,)."""
-    rows = columns / found[:, None]
+    rows = columns / fitted[:, None]
     scale = np.maximum(np.linalg.norm(rows, axis=0), np.finfo(float).tiny)
     inverse = np.linalg.pinv(rows / scale)
-    best = inverse @ (level / found)
-    misfit = level / found - rows @ (best / scale)
+    best = inverse @ (level / fitted)
+    misfit = level / fitted - rows @ (best / scale)
     spread = np.sqrt(repeated * np.mean(misfit**2) * (inverse**2).sum(axis=1))
     far = best / np.maximum(spread, max(1e-12 * float(np.abs(best).max()), LEAST_POWER))
     # Mean of a normal distribution cut off at 0, m + s phi(m/s)/Phi(m/s).
@@ -203,11 +203,11 @@ def _overlaps(rows: SegmentRows) -> ComplexArray:
 
 def _smeared(overlap: ComplexArray, lines: ComplexArray) -> ComplexArray:
     """Covariance (n_segments, n_b) of the noise of windows, from its part (n_lags, n_b) by distance, times lines."""
-    found = overlap[0] * lines
+    covariance = overlap[0] * lines
     for lag in range(1, min(len(overlap), len(lines))):
-        found[:-lag] += overlap[lag] * lines[lag:]
-        found[lag:] += overlap[lag].conj() * lines[:-lag]
-    return np.asarray(found)
+        covariance[:-lag] += overlap[lag] * lines[lag:]
+        covariance[lag:] += overlap[lag].conj() * lines[:-lag]
+    return np.asarray(covariance)
 
 
 def _squares(overlap: ComplexArray, weight: FloatArray) -> FloatArray:
@@ -275,15 +275,15 @@ def noise_powers_between_lines(
 
 def _roughness(count: int) -> FloatArray:
     """Matrix (count, count) that subtracts from each line's value a local parabola fitted by least squares."""
-    found = np.zeros((count, count))
+    roughness = np.zeros((count, count))
     # With an orthonormal basis Q of 1, x, x^2 over the neighbours, I - Q Q^T leaves what no parabola fits.
     basis, _ = np.linalg.qr(np.linspace(-1, 1, 2 * PARABOLA_HALF_WIDTH + 1)[:, None] ** np.arange(3))
     for place in range(count):
         first = min(max(place - PARABOLA_HALF_WIDTH, 0), count - 2 * PARABOLA_HALF_WIDTH - 1)
         near = slice(first, first + 2 * PARABOLA_HALF_WIDTH + 1)
-        found[place, near] = -basis[place - first] @ basis.T
-        found[place, place] += 1
-    return found
+        roughness[place, near] = -basis[place - first] @ basis.T
+        roughness[place, place] += 1
+    return roughness
 
 
 # Variance of a response's lines by noise, and the correlation between neighbouring lines.
@@ -363,5 +363,5 @@ def _by_distance(estimation: Estimation) -> FloatArray:
         # Of n averages, n - m pairs are m apart, in both sequences.
         weight = 1 if m == 0 else 2 * (1 - m / estimation.averages)
         total += weight * np.abs(np.fft.fft(shared)[: WINDOW_SAMPLES // 2]) ** 2
-    found = total / total[0]
-    return np.asarray(found[: np.flatnonzero(found > NEGLIGIBLE_CORRELATION)[-1] + 1])
+    correlation = total / total[0]
+    return np.asarray(correlation[: np.flatnonzero(correlation > NEGLIGIBLE_CORRELATION)[-1] + 1])

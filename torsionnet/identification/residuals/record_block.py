@@ -122,14 +122,14 @@ class RecordBlock(MeasurementBlock):
 
     @property
     def remark(self) -> str:
-        found = super().remark
+        remark = super().remark
         if self.windowed.suddenly:
             name, record = self.windowed.input, self.windowed.record
             begins = (
                 f"{record[name].values[0]:.4g} {record[name].unit} of {name} act from the first sample on, not before"
             )
-            found = "; ".join(filter(None, (f"{self.measurement.label}: {begins}", found)))
-        return found
+            remark = "; ".join(filter(None, (f"{self.measurement.label}: {begins}", remark)))
+        return remark
 
     def unexplained(self, values: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Residual power, squared response and power of step errors at each line, (n_b,), over unit white noise."""

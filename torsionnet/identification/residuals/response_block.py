@@ -175,16 +175,17 @@ class ResponseBlock(MeasurementBlock):
 
     @property
     def remark(self) -> str:
-        found = []
+        remarks = []
         if not self.data.has_phase:
-            found.append("has no phase, so magnitudes are compared")
+            remarks.append("has no phase, so magnitudes are compared")
         if self.measurement.error is None and self.data.estimation is None and self._line_correlation is not None:
             usual = f"a {USUAL_WINDOW} window with {100 * USUAL_OVERLAP:.0f} % overlap"
-            found.append(f"has a coherence but does not say how it was averaged: neighbours are related as by {usual}")
+            text = "has a coherence but does not say how it was averaged: neighbours are related as by"
+            remarks.append(f"{text} {usual}")
         cut = 0.0 if self.measurement.band or self.smoothing is None else lowest_settled_frequency(self.data)
         if cut:
-            found.append(f"is used from {cut:.3g} Hz, as a sweep passed what is below within the first window")
-        said = f"{self.measurement.label} {'; '.join(found)}" if found else ""
+            remarks.append(f"is used from {cut:.3g} Hz, as a sweep passed what is below within the first window")
+        said = f"{self.measurement.label} {'; '.join(remarks)}" if remarks else ""
         return "; ".join(filter(None, (said, super().remark)))
 
     def measured_noise(self, values: FloatArray) -> Noise | None:

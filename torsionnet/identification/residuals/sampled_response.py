@@ -72,8 +72,8 @@ class SampledResponse:
 
     def evaluation(self, values: Sequence[float] | FloatArray) -> Evaluation:
         """Transfer function and derivatives between samples, in SI units, for these parameter values (n_p,)."""
-        found = self.folded.evaluation(values)
-        G, slopes = self.folding.folded(found.values), self.folding.folded(found.jacobian)
+        continuous = self.folded.evaluation(values)
+        G, slopes = self.folding.folded(continuous.values), self.folding.folded(continuous.jacobian)
         if self.plain.request.is_measured:
             # Ratio G of two responses u/T, with derivatives by the quotient rule, (u' - G T')/T.
             torque = G[:, 1:]

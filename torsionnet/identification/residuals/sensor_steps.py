@@ -152,10 +152,10 @@ class UnexcitedWindows:
 
         Not the mean: ringing after the sweep, which a wrong model lacks, is in some windows only.
         """
-        found = np.full(self.unexcited.shape[1], np.inf)
+        floor = np.full(self.unexcited.shape[1], np.inf)
         for line in np.flatnonzero(self.unexcited.sum(axis=0) >= FEWEST_WINDOWS * WINDOWS_PER_LENGTH):
-            found[line] = np.median(self.left[self.unexcited[:, line], line]) / np.log(2)
-        return found
+            floor[line] = np.median(self.left[self.unexcited[:, line], line]) / np.log(2)
+        return floor
 
 
 def unexcited_windows(windowed: WindowedEstimate, G: ComplexArray) -> UnexcitedWindows:

@@ -80,10 +80,10 @@ class SteppedBlock(ResponseBlock):
         residual, _ = self.residuals(values)
         count = len(self.frequencies)
         lines = residual if self.parts == 1 else residual[:count] + 1j * residual[count:]
-        found = [noise_between_lines(lines[run], np.eye(run.stop - run.start)) for run in self.runs]
-        if any(one is None for one in found):
+        by_run = [noise_between_lines(lines[run], np.eye(run.stop - run.start)) for run in self.runs]
+        if any(one is None for one in by_run):
             return None
-        known = [one for one in found if one is not None]
+        known = [one for one in by_run if one is not None]
         return Noise(np.concatenate([one.ratio for one in known]), sum(one.certainty for one in known))
 
     def equations(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -101,10 +101,10 @@ class SteppedBlock(ResponseBlock):
         return bool(np.any(self.curve_of_steps.beyond))
 
     def with_model(self, rig: AssembledModel, measurement: Measurement, parameters: tuple[str, ...]) -> SteppedBlock:
-        found = copy(self)
-        found.measurement = measurement
-        found.response = replace(_curve(rig, measurement, self.steps, parameters), beyond=self.curve_of_steps.beyond)
-        return found
+        block = copy(self)
+        block.measurement = measurement
+        block.response = replace(_curve(rig, measurement, self.steps, parameters), beyond=self.curve_of_steps.beyond)
+        return block
 
 
 def stepped_block(

@@ -235,8 +235,8 @@ class SteppedCurve:
         """Complex stiffness K (n,) of the laws of the element at the steps."""
         try:
             at = (amplitudes, self.mean_twists, self.omega)
-            found = sum(stiffness_over_twists(*one, *at) for one in self._laws(tuple(numbers)))
-            return np.asarray(found + self.beyond)
+            of_laws = sum(stiffness_over_twists(*one, *at) for one in self._laws(tuple(numbers)))
+            return np.asarray(of_laws + self.beyond)
         except (ZeroDivisionError, OverflowError, ExpressionError) as error:
             raise SolveError(f"the laws of {', '.join(self.elements)}: {error}", kind="no-solution") from None
 
@@ -294,12 +294,12 @@ class Beside:
 
 def beside_of(linear: ParametricResponse, row: Row, numbers: Sequence[float]) -> Beside:
     """Receptances of what is linear, under the torque that drives or the one that is measured, with derivatives."""
-    found = linear.evaluation(numbers)
+    evaluation = linear.evaluation(numbers)
     weights = np.array([float(one) for one in row.values()])
-    driven, slopes = found.values[:, :, 0], found.jacobian[:, :, 0]
+    driven, slopes = evaluation.values[:, :, 0], evaluation.jacobian[:, :, 0]
     between, between_slopes = (
-        found.values[:, :, 1:] @ weights,
-        np.einsum("foip,i->fop", found.jacobian[:, :, 1:], weights),
+        evaluation.values[:, :, 1:] @ weights,
+        np.einsum("foip,i->fop", evaluation.jacobian[:, :, 1:], weights),
     )
     if driven.shape[1] == 3:
         # The torque measured is T = a_T u - b_T tau: u = (T + b_T tau)/a_T, put into the other rows.
@@ -372,10 +372,10 @@ def stepped_curve(
     def linear(at: FloatArray) -> ParametricResponse:
         return parametric_response(linear_rig, outputs, [driving, *held], at, varied.parameters)
 
-    found = SteppedCurve(rig, varied, elements, linear(frequencies), held, *common, "rad/(N*m)")
-    still = replace(found, linear=linear(np.array([SLOW * frequencies.min()])))
+    curve = SteppedCurve(rig, varied, elements, linear(frequencies), held, *common, "rad/(N*m)")
+    still = replace(curve, linear=linear(np.array([SLOW * frequencies.min()])))
     harmonics = linear(np.outer(np.arange(2, HARMONICS + 1), frequencies).ravel())
-    return replace(found, mean_twists=still.static_twists(means, mean_torques), at_harmonics=harmonics)
+    return replace(curve, mean_twists=still.static_twists(means, mean_torques), at_harmonics=harmonics)
 
 
 def linear_beside(
@@ -387,10 +387,10 @@ def linear_beside(
     for place, name in enumerate(elements):
         beside = LinearBeside(plain.elements[name], 0.0 if place else spring)
         replaced[name] = plain.elements[name].unchecked(other_laws=beside, referred_to=None)
-    found = rig.with_definition(replace(plain, elements={**plain.elements, **replaced}, tangents=None))
-    nodes = zip(found.assembly.kinematics.nodes, found.assembly.node_rows.maps, strict=True)
+    linear = rig.with_definition(replace(plain, elements={**plain.elements, **replaced}, tangents=None))
+    nodes = zip(linear.assembly.kinematics.nodes, linear.assembly.node_rows.maps, strict=True)
     held_still = {GROUND, *(node for node, moves in nodes if not moves)}
-    return found, {node: row[node] for node in row if node not in held_still}
+    return linear, {node: row[node] for node in row if node not in held_still}
 
 
 def channels_beside(
@@ -436,15 +436,15 @@ def names_of_laws(varied: Unknowns, elements: Sequence[str]) -> tuple[str, ...]:
 
 def springs_of_sliders(varied: Unknowns, elements: Sequence[str], values: FloatArray) -> dict[str, float]:
     """Twist in rad at which a slider begins to slip, by the name of the unknown that its spring is."""
-    found: dict[str, float] = {}
+    limits: dict[str, float] = {}
     value = Values({name: float(one) for name, one in varied.values(values.tolist()).items()}, FLOAT)
     for element, parts, _ in (laws_of(varied.definition.elements[name], value) for name in elements):
         spring = getattr(element, "stiffness", None)
         if element.kind == "friction" and spring is not None:
             stiffness, torque = slider_of(element, parts)
             pairs = zip(varied.names, varied.parameters, strict=True)
-            found |= {name: torque / stiffness for name, parameter in pairs if parameter in spring.names}
-    return found
+            limits |= {name: torque / stiffness for name, parameter in pairs if parameter in spring.names}
+    return limits
 
 
 def laws_of(element: Element, value: Values) -> tuple[Element, tuple[WholePart, ...], Row]:

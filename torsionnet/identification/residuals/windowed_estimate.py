@@ -72,14 +72,14 @@ class Segments:
     def lines(self, values: FloatArray) -> ComplexArray:
         """Fourier coefficients (n_segments, n_b) of every window of a signal (n,), at the lines taken."""
         starts = self.starts(len(values))
-        found = np.zeros((len(starts), len(self.bins)), dtype=complex)
+        coefficients = np.zeros((len(starts), len(self.bins)), dtype=complex)
         if len(starts):
             views = np.lib.stride_tricks.sliding_window_view(values, self.length)
             weights, batch = self.settings.weights(self.rate), max(1, NUMBERS_PER_BATCH // self.length)
             for begin in range(0, len(starts), batch):
                 plain = without_trend(views[starts[begin : begin + batch]], self.settings.detrend)
-                found[begin : begin + batch] = np.fft.rfft(plain * weights, axis=-1)[:, self.bins]
-        return found
+                coefficients[begin : begin + batch] = np.fft.rfft(plain * weights, axis=-1)[:, self.bins]
+        return coefficients
 
     def pieces(self, lines: slice = slice(None)) -> ComplexArray:
         """Matrix (n_b, length) that gives the Fourier coefficients of a window from its samples, trend removed."""

@@ -174,7 +174,7 @@ def _traced(drivetrain: Drivetrain, settled: Iterable[str]) -> Motion:
     values = Values(parameters, tape.algebra)
     kinematics = kinematics_on(values, drivetrain.assembly.kinematics, definition)
     kinds = _Kinds(tape, kinematics)
-    return Motion(tape, parameters, values, kinematics, *kinds.found())
+    return Motion(tape, parameters, values, kinematics, *kinds.separated())
 
 
 class _Kinds:
@@ -189,7 +189,7 @@ class _Kinds:
         self.changes: list[dict[str, Any]] = []
         self.relative: set[str] = set()
 
-    def found(self) -> tuple[tuple[dict[str, Any], ...], _Names, _Names, _Names, frozenset[str]]:
+    def separated(self) -> tuple[tuple[dict[str, Any], ...], _Names, _Names, _Names, frozenset[str]]:
         """Changes of coordinates, and names of those with inertia, massless with dampers, without either, relative."""
         # What inertia leaves free is massless, and what dampers leave free of that is static.
         inertial = [row for law, row in self.laws if self._is_there(law.inertia, row)]

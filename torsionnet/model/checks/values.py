@@ -288,8 +288,8 @@ def parameter_units(definition: Definition) -> dict[str, str]:
     >>> parameter_units(tn.load("amt_rig").definition)["k_1"]
     'N*m/rad'
     """
-    found = dimensions(definition.parameters)[0]
-    units = {name: "" if dimension is None else str(dimension) for name, dimension in found.items()}
+    known = dimensions(definition.parameters)[0]
+    units = {name: "" if dimension is None else str(dimension) for name, dimension in known.items()}
     for element in definition.elements.values():
         for _, _, expression, dimension in element.expressions():
             if isinstance(expression, Name) and dimension:

@@ -56,9 +56,9 @@ class ArcLoops:
 
     def notes(self) -> tuple[str, ...]:
         """Notes that say what the loops show, and what they do not tell apart."""
-        found = [phrase("loops of arc springs: k mu psi is {product} N m/rad", product=_shown(self.product))]
+        notes = [phrase("loops of arc springs: k mu psi is {product} N m/rad", product=_shown(self.product))]
         if self.winding.half_width is None:
-            found.append(
+            notes.append(
                 phrase(
                     "the loops do not tell k from mu psi: with mu psi {winding:g} assumed k is "
                     "{stiffness:.4g} N m/rad; swing further, or about a lower torque",
@@ -68,15 +68,15 @@ class ArcLoops:
             )
         else:
             text = "k is {stiffness} N m/rad and mu psi {winding}"
-            found.append(phrase(text, stiffness=_shown(self.stiffness), winding=_shown(self.winding)))
+            notes.append(phrase(text, stiffness=_shown(self.stiffness), winding=_shown(self.winding)))
         if self.pressing.half_width is None:
-            found.append(
+            notes.append(
                 "pressing by speed is not seen: run the loops at two speeds, and name the channel of the speed"
             )
         else:
             text = "m r^2/psi, by which speed presses the coils, is {pressing} kg m^2"
-            found.append(phrase(text, pressing=_shown(self.pressing)))
-        return tuple(found)
+            notes.append(phrase(text, pressing=_shown(self.pressing)))
+        return tuple(notes)
 
 
 def _shown(value: LoopValue) -> str:
@@ -172,5 +172,5 @@ class _Case:
 
     def misses(self, logs: FloatArray) -> FloatArray:
         """Deviations over their standard deviations."""
-        found: FloatArray = self.shares(logs) / np.array(self.sure)
-        return found
+        deviations: FloatArray = self.shares(logs) / np.array(self.sure)
+        return deviations

@@ -107,11 +107,11 @@ def stepped_loops(
     places, sense = rising_of([one])
     top, last = one.top - one.first, len(places) - 1
     smooth = smooth_twist(record.twist, one)
-    found = replace(record, time=record.time[places], twist=smooth, torque=lines.loop(smooth, sense))
+    smooth_record = replace(record, time=record.time[places], twist=smooth, torque=lines.loop(smooth, sense))
     shifts = np.arange(SHIFTS) / SHIFTS * step
     stepped = [smooth, *(np.round((smooth + shift) / step) * step - shift for shift in shifts)]
     for twist in stepped:
-        yield replace(found, twist=twist), cycle_at(twist, 0, top, last)
+        yield replace(smooth_record, twist=twist), cycle_at(twist, 0, top, last)
 
 
 def step_deviations(record: LoopRecord, one: Cycle, each: Sequence[JoinedLines], step: float) -> dict[str, float]:

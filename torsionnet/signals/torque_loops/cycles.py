@@ -89,7 +89,7 @@ def reversals(twist: FloatArray, least: float) -> list[int]:
     >>> reversals(np.array([0.0, 1, 2, 1.9, 2.1, 1, 0, 1]), 0.5)
     [4, 6]
     """
-    found: list[int] = []
+    turns: list[int] = []
     place, until, sense = 0, 0, 0
     for at, value in enumerate(twist.tolist()):
         beyond = value - twist[place]
@@ -101,9 +101,9 @@ def reversals(twist: FloatArray, least: float) -> list[int]:
         elif beyond * sense > 0:
             place, until = at, at
         elif -beyond * sense >= least:
-            found.append((place + until) // 2)  # an encoder stands still between its steps
+            turns.append((place + until) // 2)  # an encoder stands still between its steps
             sense, place, until = -sense, at, at
-    return found
+    return turns
 
 
 def end_value(values: FloatArray, beyond: int = 0) -> float:
@@ -197,10 +197,10 @@ def _polynomial(branch: FloatArray) -> FloatArray:
     best: FloatArray | None = None
     least = 0.0
     for degree in DEGREES:
-        found = np.polynomial.Chebyshev.fit(place, branch, degree)(place)
-        left = float(np.std(branch - found))
+        fitted = np.polynomial.Chebyshev.fit(place, branch, degree)(place)
+        left = float(np.std(branch - fitted))
         if best is not None and left > AS_GOOD * least:
             break
-        best, least = found, least or max(left, 1e-9 * float(np.ptp(branch)))
+        best, least = fitted, least or max(left, 1e-9 * float(np.ptp(branch)))
     assert best is not None
     return np.asarray(best)

@@ -85,10 +85,10 @@ class JoinedLines:
         return np.asarray(np.searchsorted(self.breaks, twist))
 
     def _from(self, origin: float, twist: FloatArray) -> FloatArray:
-        found = self.slopes[0] * (twist - origin)
+        torque = self.slopes[0] * (twist - origin)
         for at, change in zip(self.breaks, np.diff(self.slopes), strict=True):
-            found = found + change * np.maximum(twist - at, 0.0)
-        return np.asarray(found)
+            torque = torque + change * np.maximum(twist - at, 0.0)
+        return np.asarray(torque)
 
     def loop(self, twist: FloatArray, sense: FloatArray) -> FloatArray:
         """Torque in N m on the branches at twists in rad with their sense, 1 or -1, shape (n,)."""
@@ -140,11 +140,11 @@ def fitted(start: JoinedLines, samples: LoopSamples) -> tuple[JoinedLines, float
         ]
         rows = np.stack(columns)
         step = -scale * np.linalg.lstsq(rows @ rows.T, rows @ rest, rcond=1e-13)[0]
-        found = _shorter(lines, step, samples, float(rest @ rest))
-        if found is None:
+        shorter = _shorter(lines, step, samples, float(rest @ rest))
+        if shorter is None:
             break
-        fell = 1 - (found[1] @ found[1]) / (rest @ rest) if rest.any() else 0.0
-        lines, rest = found
+        fell = 1 - (shorter[1] @ shorter[1]) / (rest @ rest) if rest.any() else 0.0
+        lines, rest = shorter
         if fell < SETTLED:
             break
     return lines, float(rest @ rest)
@@ -155,11 +155,11 @@ def _shorter(
 ) -> tuple[JoinedLines, FloatArray] | None:
     """Lines and distances after the longest part of a step that makes the sum of squares smaller; None: none does."""
     for halved in range(HALVINGS):
-        found = lines.with_numbers(lines.numbers() + step / 2**halved)
-        if np.all(np.diff(found.breaks) > 0) and np.all(np.diff(np.clip(found.breaks, *_ends(samples))) > 0):
-            rest = found.distances(samples)
+        moved = lines.with_numbers(lines.numbers() + step / 2**halved)
+        if np.all(np.diff(moved.breaks) > 0) and np.all(np.diff(np.clip(moved.breaks, *_ends(samples))) > 0):
+            rest = moved.distances(samples)
             if rest @ rest < before:
-                return found, rest
+                return moved, rest
     return None
 
 
@@ -178,16 +178,17 @@ def with_breaks(breaks: FloatArray, samples: LoopSamples, steepness: FloatArray 
     piece = np.searchsorted(breaks, twist)
     span = float(np.ptp(twist))
     ramps = [np.maximum(twist - at, 0) - max(centre - at, 0) for at in breaks]
-    columns = [np.ones_like(twist), *(one / span for one in (twist - centre, *ramps))]
+    columns = [np.ones_like(twist), *(ramp / span for ramp in (twist - centre, *ramps))]
     columns += [samples.sense * (piece == number) for number in range(len(breaks) + 1)]
     rows = np.stack(columns) * weight
     goal = samples.torque * weight
     # Normal equations: many places are tried, and columns of size 1 keep their digits.
-    found, *_ = np.linalg.lstsq(rows @ rows.T, rows @ goal, rcond=1e-12)
-    rest = goal - found @ rows
+    coefficients, *_ = np.linalg.lstsq(rows @ rows.T, rows @ goal, rcond=1e-12)
+    rest = goal - coefficients @ rows
     count = len(breaks)
-    slopes = np.cumsum(found[1 : 2 + count]) / span
-    return JoinedLines(centre, float(found[0]), slopes, np.asarray(breaks), found[2 + count :]), float(rest @ rest)
+    slopes = np.cumsum(coefficients[1 : 2 + count]) / span
+    lines = JoinedLines(centre, float(coefficients[0]), slopes, np.asarray(breaks), coefficients[2 + count :])
+    return lines, float(rest @ rest)
 
 
 def _longer(lines: JoinedLines, samples: LoopSamples, shortest: int) -> JoinedLines | None:
@@ -199,8 +200,8 @@ def _longer(lines: JoinedLines, samples: LoopSamples, shortest: int) -> JoinedLi
         breaks = np.sort(np.r_[lines.breaks, at])
         counts = np.diff(np.searchsorted(ordered, breaks), prepend=0, append=len(ordered))
         if counts.min() >= shortest:
-            found = with_breaks(breaks, samples, steepness)
-            best = found if best is None or found[1] < best[1] else best
+            broken = with_breaks(breaks, samples, steepness)
+            best = broken if best is None or broken[1] < best[1] else best
     return None if best is None else best[0]
 
 
@@ -222,14 +223,14 @@ def joined_lines(samples: LoopSamples, cycles: int) -> tuple[JoinedLines, bool]:
         longer = _longer(lines, seen, shortest) if len(lines.breaks) - len(kept.breaks) < FAILED else None
         if longer is None:
             break
-        lines, found = fitted(longer, seen)
+        lines, fewer = fitted(longer, seen)
         counts = np.bincount(lines.piece(seen.twist), minlength=len(lines.slopes))
         more, freedom = 3 * (len(lines.breaks) - len(kept.breaks)), len(seen.twist) - len(lines.numbers())
         passed = bool(
             counts.min() >= shortest
             and freedom > 0
-            and fdtrc(more, freedom, max(squares - found, 0.0) / more / (found / freedom)) < SIGNIFICANCE
+            and fdtrc(more, freedom, max(squares - fewer, 0.0) / more / (fewer / freedom)) < SIGNIFICANCE
         )
         if passed:
-            kept, squares = lines, found
+            kept, squares = lines, fewer
     return kept, passed

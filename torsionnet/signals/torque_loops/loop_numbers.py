@@ -79,8 +79,8 @@ class LoopRecord:
         # Chosen without the noise: samples that noise puts beyond a threshold make steep flanks steeper.
         smooth = np.concatenate([smooth_twist(self.twist, one) for one in cycles])
         inside = (smooth > low + away) & (smooth < high - away)
-        found = LoopSamples(twist, self.torque[places], sense, self.twist_noise, self.torque_noise)
-        return found.chosen(inside)
+        samples = LoopSamples(twist, self.torque[places], sense, self.twist_noise, self.torque_noise)
+        return samples.chosen(inside)
 
 
 def student_quantile(freedom: int, confidence: float = CONFIDENCE) -> float:
@@ -143,11 +143,11 @@ def line_numbers(lines: JoinedLines, samples: LoopSamples, flat: int | None) -> 
     ends = np.r_[low, lines.breaks, high]
     has_zero = low < 0 < high
     above, below = _home_pieces(lines, flat, AT_BREAK * (high - low) / 2)
-    found: dict[str, float] = {}
+    numbers: dict[str, float] = {}
     if flat is not None:
-        found["free play"] = float(lines.breaks[flat] - lines.breaks[flat - 1])
+        numbers["free play"] = float(lines.breaks[flat] - lines.breaks[flat - 1])
     if has_zero:
-        found["torque offset"] = float(lines.torque(np.zeros(1))[0])
+        numbers["torque offset"] = float(lines.torque(np.zeros(1))[0])
     friction = _friction(lines, samples, AT_BREAK * (high - low) / 2, ends)
     last = len(lines.slopes)
     sides = {"drive": range(above, last), "coast": range(below, -1, -1)}
@@ -156,16 +156,16 @@ def line_numbers(lines: JoinedLines, samples: LoopSamples, flat: int | None) -> 
     for side, pieces in sides.items():
         for number, piece in enumerate(pieces, 1):
             name = f"{side} {number}"
-            found[f"{name} stiffness"] = float(lines.slopes[piece])
-            found[f"{name} friction"] = float(friction[piece])
+            numbers[f"{name} stiffness"] = float(lines.slopes[piece])
+            numbers[f"{name} friction"] = float(friction[piece])
             if number > 1 or flat is not None:  # behind free play the first one as well
-                found[f"{name} begins"] = abs(float(ends[piece] if side == "drive" else ends[piece + 1]))
+                numbers[f"{name} begins"] = abs(float(ends[piece] if side == "drive" else ends[piece + 1]))
     # Over the whole loop each piece counts by its samples; of one friction also by how well they tell the torque there.
     weights = np.bincount(lines.piece(samples.twist), minlength=last).astype(float)
     if np.ptp(friction) < ONE_FRICTION * np.abs(friction).max():
         weights /= samples.torque_noise**2 + (lines.slopes * samples.twist_noise) ** 2
-    found["friction"] = float(friction @ weights / weights.sum())
-    return _with_both(found)
+    numbers["friction"] = float(friction @ weights / weights.sum())
+    return _with_both(numbers)
 
 
 def _home_pieces(lines: JoinedLines, flat: int | None, near: float) -> tuple[int, int]:
@@ -199,26 +199,26 @@ def flat_piece(each: Sequence[JoinedLines]) -> int | None:
 def _friction(lines: JoinedLines, samples: LoopSamples, away: float, ends: FloatArray) -> FloatArray:
     """Friction torque of each piece in N m: half of the distance of branches, away from breaks, or that fitted."""
     twist = samples.twist
-    found = lines.friction.copy()
+    friction = lines.friction.copy()
     # Steep pieces: the friction torque is fitted by distance in both channels, torque alone is biased by twist noise.
     if np.abs(lines.slopes).max() * samples.twist_noise > samples.torque_noise:
-        return found
+        return friction
     rest = samples.torque - lines.torque(twist)
     for piece, (low, high) in enumerate(pairwise(ends)):
-        inside = (twist > low + away * (piece > 0)) & (twist < high - away * (piece < len(found) - 1))
+        inside = (twist > low + away * (piece > 0)) & (twist < high - away * (piece < len(friction) - 1))
         up, down = (rest[inside & (samples.sense == sense)] for sense in (1.0, -1.0))
         if len(up) and len(down):
-            found[piece] = (up.mean() - down.mean()) / 2
-    return found
+            friction[piece] = (up.mean() - down.mean()) / 2
+    return friction
 
 
-def _with_both(found: dict[str, float]) -> dict[str, float]:
+def _with_both(numbers: dict[str, float]) -> dict[str, float]:
     """Numbers with the means of drive and coast, where both have as many stages."""
-    sides = {side: [name[6:] for name in found if name.startswith(side)] for side in ("drive", "coast")}
+    sides = {side: [name[6:] for name in numbers if name.startswith(side)] for side in ("drive", "coast")}
     if not sides["drive"] or sides["drive"] != sides["coast"]:
-        return found
-    both = {name: (found[f"drive {name}"] + found[f"coast {name}"]) / 2 for name in sides["drive"]}
-    return {**found, **{f"both {name}": one for name, one in both.items()}}
+        return numbers
+    both = {name: (numbers[f"drive {name}"] + numbers[f"coast {name}"]) / 2 for name in sides["drive"]}
+    return {**numbers, **{f"both {name}": one for name, one in both.items()}}
 
 
 def cycle_numbers(record: LoopRecord, one: Cycle, begin: float, end: float) -> dict[str, float]:
@@ -286,10 +286,10 @@ def loop_of(
     cycles: Sequence[Cycle],
     speed: float | None,
     further: Mapping[str, float],
-    found: tuple[list[dict[str, float]], list[JoinedLines], bool],
+    of_cycles: tuple[list[dict[str, float]], list[JoinedLines], bool],
 ) -> TorqueLoop:
     """Loop of a run of cycles from the numbers and lines of each; ``further``: deviations that all cycles share."""
-    numbers, lines, bends = found
+    numbers, lines, bends = of_cycles
     names = [name for name in numbers[0] if all(name in one for one in numbers)]
     value = {name: mean_value(np.array([one[name] for one in numbers]), further.get(name, 0.0)) for name in names}
     breaks = np.mean([one.breaks for one in lines], axis=0)
@@ -329,7 +329,7 @@ def _crossing(record: LoopRecord, cycles: Sequence[Cycle], each: Sequence[Joined
     A torque that jumps crosses within the distance of two samples, which is taken off; of one that crosses over many
     samples the area is right.
     """
-    found = []
+    crossings = []
     for one, lines in zip(cycles, each, strict=True):
         lengths, steps = [], []
         for at, sense, tip in ((one.first, 1.0, one.low), (one.top, -1.0, one.high)):
@@ -342,34 +342,34 @@ def _crossing(record: LoopRecord, cycles: Sequence[Cycle], each: Sequence[Joined
             steps.append(float(np.diff(past[:NEXT]).mean()))  # there, as a sine turns slowly
             lengths.append(float(np.trapezoid(left, past)) / max(float(friction[0]), record.torque_noise))
         length, step = float(np.mean(lengths)), float(np.mean(steps))
-        found.append(length - (step if length <= step else step**2 / length))
-    return mean_value(np.array(found), 0.0)
+        crossings.append(length - (step if length <= step else step**2 / length))
+    return mean_value(np.array(crossings), 0.0)
 
 
 def _relaxation(record: LoopRecord, cycles: Sequence[Cycle]) -> LoopValue | None:
     """Torque lost while the twist is held at its highest, N m; None where it is not held."""
-    found = []
+    losses = []
     for one in cycles:
         near = np.flatnonzero(np.abs(record.twist[one.first : one.last] - one.high) < HELD * one.swing)
         if len(near) < LONG_HELD * (one.last - one.first):
             return None
         torque = record.torque[one.first + near]
         fifth = max(1, len(near) // 5)
-        found.append(torque[fifth : 2 * fifth].mean() - torque[-fifth:].mean())
-    return mean_value(np.array(found), 0.0)
+        losses.append(torque[fifth : 2 * fifth].mean() - torque[-fifth:].mean())
+    return mean_value(np.array(losses), 0.0)
 
 
 def _stages(value: Mapping[str, LoopValue]) -> tuple[LoopStage, ...]:
-    found = []
+    stages = []
     for name in value:
         side, _, rest = name.partition(" ")
         number, _, what = rest.partition(" ")
         if what == "stiffness" and number.isdigit():
             own = f"{side} {number}"
-            found.append(
+            stages.append(
                 LoopStage(side, int(number), value[name], value.get(f"{own} begins"), value[f"{own} friction"])
             )
-    return tuple(found)
+    return tuple(stages)
 
 
 def mean_branches(

@@ -42,22 +42,22 @@ class Applied:
 
     def notes(self) -> tuple[str, ...]:
         """Notes on the corrections asked for."""
-        found = []
+        notes = []
         if self.delay:
-            found.append(phrase("torque moved {delay:g} ms to earlier times", delay=1e3 * self.delay))
+            notes.append(phrase("torque moved {delay:g} ms to earlier times", delay=1e3 * self.delay))
         if self.inertia:
             text = "torque without that of {inertia:g} kg m^2 that move with the twist"
-            found.append(phrase(text, inertia=self.inertia))
+            notes.append(phrase(text, inertia=self.inertia))
         if self.drift:
-            found.append("torque without a straight line in each cycle, by the same twist a cycle apart")
-        return tuple(found)
+            notes.append("torque without a straight line in each cycle, by the same twist a cycle apart")
+        return tuple(notes)
 
 
 def loop_remarks(
     loop: TorqueLoop, record: LoopRecord, applied: Applied, step: float, *, sine: bool
 ) -> list[NoteOrText]:
     """Remarks on a loop: effects of inertia, delay, drift, steps and what is elastic, as far as not corrected."""
-    found = [
+    remarks = [
         *_motion(loop, applied, sine=sine),
         *_drift(loop, applied),
         *_remark_on_steps(loop, record, step),
@@ -65,9 +65,9 @@ def loop_remarks(
     ]
     if loop.cycles < 3:
         text = "{count} cycles behind the intervals, of which the first is left out: record five or more"
-        found.append(phrase(text, count=loop.cycles))
+        remarks.append(phrase(text, count=loop.cycles))
     if loop.bends:
-        found.append(
+        remarks.append(
             "the spring line bends all along: stages are straight pieces laid through it, not stages of springs; "
             "secant, loss and first harmonic hold"
         )
@@ -75,14 +75,14 @@ def loop_remarks(
     if relaxed is not None and abs(relaxed.value) > max(
         relaxed.half_width or math.inf, TOLD * abs(loop.friction.value)
     ):
-        found.append(
+        remarks.append(
             phrase(
                 "where the twist is held at its reversals the torque falls by {fall:.2g} N m: creep; run at two speeds",
                 fall=relaxed.value,
             )
         )
     if half is not None and loop.loss.value <= half:
-        found.append(
+        remarks.append(
             warning(
                 phrase(
                     "no loss is seen, {loss:.2g} +- {half:.2g} J a cycle: nothing slips at this swing, as the coils of "
@@ -92,7 +92,7 @@ def loop_remarks(
                 )
             )
         )
-    return found
+    return remarks
 
 
 def series_remarks(loops: Sequence[TorqueLoop]) -> list[NoteOrText]:
@@ -100,12 +100,12 @@ def series_remarks(loops: Sequence[TorqueLoop]) -> list[NoteOrText]:
 
     Something elastic stands in series with the friction.
     """
-    found: list[NoteOrText] = []
+    remarks: list[NoteOrText] = []
     for one in loops:
         share, crossing, wide = friction_build_up(one), one.crossing, _width_by_rate(one)
         half = crossing.half_width
         if share > BUILD_UP:
-            found.append(
+            remarks.append(
                 warning(
                     phrase(
                         "behind a reversal the torque needs {share:.2g} % of the swing to cross over: something "
@@ -116,7 +116,7 @@ def series_remarks(loops: Sequence[TorqueLoop]) -> list[NoteOrText]:
                 )
             )
         elif wide > VISCOUS * one.friction.value:
-            found.append(
+            remarks.append(
                 phrase(
                     "the loop is wider in its middle, as by friction that grows with speed: over a sine c = "
                     "{damping:.2g} N m s/rad; run at two speeds",
@@ -126,7 +126,7 @@ def series_remarks(loops: Sequence[TorqueLoop]) -> list[NoteOrText]:
         elif not one.bends and half is not None and crossing.value > half + CROSSING * one.amplitude.value:
             # The component stands still until what is in series has crossed the 2 M to a branch that rises by k.
             stiffness = 2 * one.friction.value / crossing.value + one.storage_stiffness.value
-            found.append(
+            remarks.append(
                 warning(
                     phrase(
                         "behind a reversal the torque needs {crossing:.2g} deg to cross over, as behind "
@@ -138,7 +138,7 @@ def series_remarks(loops: Sequence[TorqueLoop]) -> list[NoteOrText]:
                     )
                 )
             )
-    return found
+    return remarks
 
 
 def _width_by_rate(loop: TorqueLoop) -> float:
@@ -150,16 +150,16 @@ def _width_by_rate(loop: TorqueLoop) -> float:
 
 def _motion(loop: TorqueLoop, applied: Applied, *, sine: bool) -> list[NoteOrText]:
     """Remarks on inertia and lateness at the frequency of a loop."""
-    omega, found = 2 * np.pi * loop.frequency, list[NoteOrText]()
+    omega, remarks = 2 * np.pi * loop.frequency, list[NoteOrText]()
     if not sine:
         if applied.inertia:
-            found.append(
+            remarks.append(
                 warning("the twist is no sine: the torque of the inertia acts at its corners only and is not taken out")
             )
-        return found
+        return remarks
     lost = UNIT_INERTIA * omega**2
     if not applied.inertia and lost > TOLD * loop.storage_stiffness.value:
-        found.append(
+        remarks.append(
             phrase(
                 "inertia that moves between meter and component is not taken out: at {frequency:.3g} Hz each "
                 "{inertia:g} kg m^2 lowers the stiffness by {lost:.3g} N m/rad",
@@ -170,7 +170,7 @@ def _motion(loop: TorqueLoop, applied: Applied, *, sine: bool) -> list[NoteOrTex
         )
     wide = loop.storage_stiffness.value * loop.amplitude.value * np.sin(omega * UNIT_DELAY)
     if not applied.delay and wide > TOLD * abs(loop.friction.value):
-        found.append(
+        remarks.append(
             phrase(
                 "lateness of the torque is not taken out: at {frequency:.3g} Hz each {delay:g} ms narrows the loop, "
                 "{wide:.3g} N m of the friction torque {friction:.3g} N m",
@@ -180,7 +180,7 @@ def _motion(loop: TorqueLoop, applied: Applied, *, sine: bool) -> list[NoteOrTex
                 friction=loop.friction.value,
             )
         )
-    return found
+    return remarks
 
 
 def _drift(loop: TorqueLoop, applied: Applied) -> list[NoteOrText]:
@@ -221,14 +221,14 @@ def _remark_on_steps(loop: TorqueLoop, record: LoopRecord, step: float) -> list[
 
 def _sides(loop: TorqueLoop) -> list[NoteOrText]:
     """Remark on drive and coast that differ."""
-    found: list[NoteOrText] = []
+    remarks: list[NoteOrText] = []
     for drive, coast in zip(loop.side("drive"), loop.side("coast"), strict=False):
         for name in ("stiffness", "begins", "friction"):
             text = _difference(drive, coast, name)
-            found += [text] if text else []
+            remarks += [text] if text else []
     if loop.side("drive") and loop.side("coast") and len(loop.side("drive")) != len(loop.side("coast")):
-        found.append("drive and coast have different numbers of stages")
-    return found
+        remarks.append("drive and coast have different numbers of stages")
+    return remarks
 
 
 def _difference(drive: LoopStage, coast: LoopStage, name: str) -> str:
@@ -257,13 +257,13 @@ def speed_remarks(loops: Sequence[TorqueLoop]) -> list[NoteOrText]:
     Friction that grows with speed is viscous, its slope over the speed of the twist the damping; a width that grows
     with slowness is creep. A stiffness that falls as the square of the frequency is that of a moving inertia.
     """
-    found: list[NoteOrText] = []
+    remarks: list[NoteOrText] = []
     for slow, fast in combinations(sorted(loops, key=lambda one: one.frequency), 2):
         alike = abs(slow.amplitude.value - fast.amplitude.value) < ALIKE * fast.amplitude.value
         alike = alike and abs(slow.mean_twist - fast.mean_twist) < ALIKE * fast.amplitude.value
         if alike and fast.frequency > FASTER * slow.frequency:
-            found += [*_rates(slow, fast), *_inertia(slow, fast)]
-    return found
+            remarks += [*_rates(slow, fast), *_inertia(slow, fast)]
+    return remarks
 
 
 def _rates(slow: TorqueLoop, fast: TorqueLoop) -> list[str]:

@@ -84,10 +84,10 @@ def loops(
     chosen = recording.select([torque, *angles, *([speed_channel] if speed_channel else [])])
     check_processable(chosen)
     applied = Applied(delay, inertia, drift, encoder_step)
-    found = list(_loops(without_delays(chosen, {torque: delay}), torque, angles, speed_channel, applied))
-    every = tuple(one for one, _ in found)
+    remarked = list(_loops(without_delays(chosen, {torque: delay}), torque, angles, speed_channel, applied))
+    every = tuple(one for one, _ in remarked)
     arcs = arc_loops(every)
-    notes = [*(note for _, ours in found for note in ours), *speed_remarks(every)]
+    notes = [*(note for _, ours in remarked for note in ours), *speed_remarks(every)]
     notes += series_remarks(every) if arcs is None else arcs.notes()
     return TorqueLoops(
         loops=every,
@@ -145,8 +145,8 @@ def _loop(
         numbers, each = run_numbers(record, cycles, lines)
     further = step_deviations(record, cycles[0], each, step) if step else {}
     speed = None if speeds is None else float(speeds[cycles[0].first : cycles[-1].last].mean())
-    found = loop_of(record, cycles, speed, further, (numbers, each, bends))
-    return found, loop_remarks(found, record, applied, step, sine=sine)
+    loop = loop_of(record, cycles, speed, further, (numbers, each, bends))
+    return loop, loop_remarks(loop, record, applied, step, sine=sine)
 
 
 def _once(notes: Sequence[NoteOrText]) -> list[NoteOrText]:

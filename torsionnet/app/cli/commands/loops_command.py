@@ -62,7 +62,7 @@ class LoopsCommand(RecordCommand):
         from torsionnet.base.conventions import Conventions
         from torsionnet.io.loop_element import write_loop_element
 
-        loops, shown = self.found(), Conventions(angle=self.angle)
+        loops, shown = self.loops(), Conventions(angle=self.angle)
         print_warnings(loops.notes)
         return Answer(
             screen=lambda: [loops.table(shown)],
@@ -75,7 +75,7 @@ class LoopsCommand(RecordCommand):
             figures=lambda _: [("", loops.figure(conventions=shown))],
         )
 
-    def found(self) -> TorqueLoops:
+    def loops(self) -> TorqueLoops:
         """Loops of the record, without the delays given."""
         from torsionnet.app.cli.record_options import load_record
         from torsionnet.app.cli.terminal import progress
