@@ -57,14 +57,14 @@ class Excitation(ABC, Declared):
             if not (np.isfinite(value) and (value > 0 or (value == 0 and name in self._may_be_zero)))
         ]
         faults += [
-            f"{one.name} must be several numbers, as (1.0,), got {getattr(self, one.name)!r}"
-            for one in fields(self)
-            if str(one.type).startswith("tuple[float") and not _are_numbers(getattr(self, one.name))
+            f"{spec.name} must be several numbers, as (1.0,), got {getattr(self, spec.name)!r}"
+            for spec in fields(self)
+            if str(spec.type).startswith("tuple[float") and not _are_numbers(getattr(self, spec.name))
         ]
         faults += [
-            f"{one.name} must be a number, got {getattr(self, one.name)!r}"
-            for one in fields(self)
-            if str(one.type) in ("float", "int") and not isinstance(getattr(self, one.name), Real)
+            f"{spec.name} must be a number, got {getattr(self, spec.name)!r}"
+            for spec in fields(self)
+            if str(spec.type) in ("float", "int") and not isinstance(getattr(self, spec.name), Real)
         ]
         if isinstance(self.mean, Real) and not np.isfinite(self.mean):
             faults.append(f"mean must be a number, got {self.mean!r}")

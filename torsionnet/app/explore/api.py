@@ -61,14 +61,14 @@ def _complete(document: Document, request: PageRequest) -> Answer:
     asked = TextQuestion(document, request, "at")
     options = [
         {
-            "label": one.label,
-            "kind": one.kind,
-            "detail": one.detail,
-            "documentation": one.documentation,
-            "insert": one.insert,
+            "label": completion.label,
+            "kind": completion.kind,
+            "detail": completion.detail,
+            "documentation": completion.documentation,
+            "insert": completion.insert,
         }
-        | asked.counting.span(one.span)
-        for one in completions(*asked.place)
+        | asked.counting.span(completion.span)
+        for completion in completions(*asked.place)
     ]
     return {"options": options}
 
@@ -374,12 +374,12 @@ def pasted_model(table: str) -> dict[str, Any]:
         sheet = parse_sheet(grid)
         text = sheet_drivetrain(sheet).to_yaml().replace(f"mass-elastic sheet {TABLE}", "pasted mass-elastic table", 1)
     except ModelError as error:
-        said = [f"line {one.position.line}: {one.text}" if one.position else one.text for one in error.faults]
-        wanting = [_unit_asked(one) for one in error.faults if one.kind == "missing-unit"]
+        said = [f"line {fault.position.line}: {fault.text}" if fault.position else fault.text for fault in error.faults]
+        wanting = [_unit_asked(fault) for fault in error.faults if fault.kind == "missing-unit"]
         return {"refused": said} | ({"asked": wanting} if len(wanting) == len(said) else {})
     except TorsionnetError as error:
         return {"refused": [str(error)]}
-    notes = [f'"{one.heading}": {BY_KEY[one.meaning].shown}' for one in sheet.columns if one.meaning]
+    notes = [f'"{column.heading}": {BY_KEY[column.meaning].shown}' for column in sheet.columns if column.meaning]
     return {"text": text, "notes": [*notes, *sheet.notes]}
 
 

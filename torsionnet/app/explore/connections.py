@@ -106,8 +106,10 @@ class Places:
 
     def _one_left(self) -> bool:
         """Send the least busy connection away; False where all are being answered."""
-        waiting = sorted((one for one in self._places.values() if one.stage != ANSWER), key=_patience)
-        gone = next((one for one in waiting if not one.has_request), None)
+        waiting = sorted(
+            (connection for connection in self._places.values() if connection.stage != ANSWER), key=_patience
+        )
+        gone = next((connection for connection in waiting if not connection.has_request), None)
         if gone is None:
             return False
         del self._places[gone.connection]

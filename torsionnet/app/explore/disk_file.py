@@ -90,7 +90,7 @@ def plain_line_ends(text: str) -> str:
 
 
 def _lines(text: str) -> tuple[tuple[str, str], ...]:
-    lines = [(one[1], one[2]) for one in _LINE.finditer(text)]
+    lines = [(match[1], match[2]) for match in _LINE.finditer(text)]
     # An empty match stands at the end of every text.
     return tuple(lines[:-1] if len(lines) > 1 and not lines[-2][1] else lines)
 

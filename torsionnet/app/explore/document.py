@@ -255,7 +255,7 @@ class Examined:
 
     def refused(self) -> Answer:
         """Reasons why there is no model, as JSON data."""
-        said = [one.fault.text for one in self.faults or [] if one.fault.severity == "error"]
+        said = [located.fault.text for located in self.faults or [] if located.fault.severity == "error"]
         return {"refused": said or ["the text is no sound model yet"], "revision": self.revision}
 
 
@@ -405,10 +405,10 @@ def faults_data(text: str, faults: list[LocatedFault]) -> list[Answer]:
     data = []
     rest = len(faults) - MOST_FAULTS
     more = [LocatedFault(Fault(f"{rest} more faults are not shown", severity="note"), TextSpan(0, 0))]
-    for one in [*faults[:MOST_FAULTS], *(more if rest > 0 else ())]:
-        line, column = lines.place(one.span.start)
-        fixes = [{"title": fix.title, "edits": counting.edits(fix.edits)} for fix in one.fixes]
-        said = {"severity": one.fault.severity, "kind": one.fault.kind, "message": one.fault.text}
+    for located in [*faults[:MOST_FAULTS], *(more if rest > 0 else ())]:
+        line, column = lines.place(located.span.start)
+        fixes = [{"title": fix.title, "edits": counting.edits(fix.edits)} for fix in located.fixes]
+        said = {"severity": located.fault.severity, "kind": located.fault.kind, "message": located.fault.text}
         said |= {"line": line + 1, "column": column + 1}
-        data.append(said | counting.span(one.span) | {"fixes": fixes})
+        data.append(said | counting.span(located.span) | {"fixes": fixes})
     return data

@@ -184,7 +184,9 @@ class Documents:
         if own is not None:
             document.take_over(own)
         while len(self._documents) >= MOST_DOCUMENTS:
-            gone = next((one for one, held in self._documents.items() if not held.polls), next(iter(self._documents)))
+            gone = next(
+                (title for title, held in self._documents.items() if not held.polls), next(iter(self._documents))
+            )
             self._keep_draft(gone, self._documents.pop(gone))
         self._documents[name] = document
         return document
@@ -194,7 +196,7 @@ class Documents:
         if draft is None:
             return
         self._drafts[name] = draft
-        while sum(len(one.text.encode()) for one in self._drafts.values()) > MOST_DRAFT_BYTES:
+        while sum(len(kept.text.encode()) for kept in self._drafts.values()) > MOST_DRAFT_BYTES:
             self._drafts.popitem(last=False)
 
     def _draft_of_closed(self, name: str) -> Draft | None:
@@ -257,7 +259,7 @@ def open_documents(
     folder = path.parent if text is None else None
     file, why_not = None, NO_FILE
     if text is None:
-        is_own = path.resolve() not in {one.resolve() for one in library_models().values()}
+        is_own = path.resolve() not in {library_file.resolve() for library_file in library_models().values()}
         file, why_not = (disk_file(path), "") if is_own else (None, LIBRARY)
         text = decode(path.read_bytes(), str(path))
     shown = path.name if folder is None else str(model)

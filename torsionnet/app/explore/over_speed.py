@@ -161,19 +161,19 @@ def tested_orders(run: OrderResponse, measured: Sequence[MeasuredOrder], most: i
         pairs = compared_orders(run, None, measured)
     except UsageError:
         return []
-    largest = sorted(pairs, key=lambda one: -float(one.measured.amplitude.max()))[:most]
+    largest = sorted(pairs, key=lambda tested: -float(tested.measured.amplitude.max()))[:most]
     orders = []
-    for one in largest:
-        step = -(-len(one.measured.speeds) // MOST_DOTS)
-        agreement, widths = one.agreement, one.pair.half_widths
+    for tested in largest:
+        step = -(-len(tested.measured.speeds) // MOST_DOTS)
+        agreement, widths = tested.agreement, tested.pair.half_widths
         known = agreement.verdict != NO_INTERVAL and agreement.sentence
         phase = "" if agreement.phase_rms is None else f", phase {agreement.phase_rms:.3g}° RMS"
         apart = f"amplitude {agreement.peak:+.3g} %{phase}"
         orders.append({
-            "name": f"order {one.measured.order:g}",
-            "curve": json_numbers(one.curve),
-            "rpm": json_numbers(one.measured.speeds[::step] * RPM),
-            "magnitude": json_numbers(one.measured.amplitude[::step]),
+            "name": f"order {tested.measured.order:g}",
+            "curve": json_numbers(tested.curve),
+            "rpm": json_numbers(tested.measured.speeds[::step] * RPM),
+            "magnitude": json_numbers(tested.measured.amplitude[::step]),
             "half_widths": None if widths is None else json_numbers(np.asarray(widths[::step])),
             "verdict": f"{agreement.verdict}: {apart}" + (f"; {agreement.sentence}" if known else ""),
         })  # fmt: skip
@@ -221,19 +221,21 @@ def speed_limits(rig: Drivetrain, run: OrderResponse, *, rough: bool = False) ->
         every = rig.check_limits(list(asked), speeds=speeds, refine=False).verdicts
     except UsageError as error:
         return {"limits": [], "barred": [], "limit_notes": [str(error)]}
-    verdicts = [one for one in every if one.limit in concerned]
+    verdicts = [verdict for verdict in every if verdict.limit in concerned]
     curves = [
-        {"name": _name(one), "allowed": json_numbers(np.interp(run.speeds, speeds, one.allowed / factor)),
-         "in_passing": one.in_passing}
-        for one, factor in _drawn(verdicts, concerned, shown, subject)
+        {"name": _name(verdict), "allowed": json_numbers(np.interp(run.speeds, speeds, verdict.allowed / factor)),
+         "in_passing": verdict.in_passing}
+        for verdict, factor in _drawn(verdicts, concerned, shown, subject)
     ]  # fmt: skip
-    drawn = {one["name"] for one in curves}
-    others = [_name(one) for one in verdicts if _name(one) not in drawn]
+    drawn = {curve["name"] for curve in curves}
+    others = [_name(verdict) for verdict in verdicts if _name(verdict) not in drawn]
     also = [f"torsionnet limits judges also {', '.join(others)}"] if others else []
     if cheap:
         return {"limits": curves, "barred": [], "limit_notes": [CURVES_ALONE, *also]}
     barred = [
-        {"name": _name(one), "from": span.low * RPM, "to": span.high * RPM} for one in every for span in one.barred
+        {"name": _name(verdict), "from": span.low * RPM, "to": span.high * RPM}
+        for verdict in every
+        for span in verdict.barred
     ]
     return {"limits": curves, "barred": barred, "limit_notes": [*_failures(every), *[ROUGH_ENDS][: len(barred)], *also]}
 
@@ -260,12 +262,12 @@ def limited_output(rig: Drivetrain) -> str:
         return ""
     subject, active = _active_limits(rig)
     judged = [sensor for limit in active.values() for sensor in limit.order_sensors(subject)]
-    first = next((one for one in judged if one.quantity in ("stress", "torque")), None)
+    first = next((sensor for sensor in judged if sensor.quantity in ("stress", "torque")), None)
     if first is None:
         return ""
     stress = Sensor("stress", first.of)
     output = stress if _factor(stress, [first], 1.0, subject) is not None else first
-    return next((name for name, one in rig.sensors.items() if one == output), str(output))
+    return next((name for name, sensor in rig.sensors.items() if sensor == output), str(output))
 
 
 def _few(speeds: FloatArray, limits: Iterable[Limit], subject: LimitSubject) -> FloatArray:
@@ -281,28 +283,32 @@ def _drawn(
     """Verdicts that judge the half range of the output, each with the factor from it to the judged value."""
     known: dict[tuple[str, str], float] = {}
     with_factors = []
-    for one in verdicts:
-        judged = limits[one.limit].vibratory_sensors(one.criterion, subject) if len(one.values) else None
+    for verdict in verdicts:
+        judged = limits[verdict.limit].vibratory_sensors(verdict.criterion, subject) if len(verdict.values) else None
         factor = None if judged is None else _factor(shown, *judged, subject)
-        if one.in_passing:  # what may be reached in passing is of the same quantity as what is permitted for long
-            factor = factor or known.get((one.limit, one.quantity))
+        if verdict.in_passing:  # what may be reached in passing is of the same quantity as what is permitted for long
+            factor = factor or known.get((verdict.limit, verdict.quantity))
         if factor is not None:
-            known[one.limit, one.quantity] = factor
-            with_factors.append((one, factor))
+            known[verdict.limit, verdict.quantity] = factor
+            with_factors.append((verdict, factor))
     return with_factors
 
 
 def _failures(verdicts: Iterable[LimitVerdict]) -> list[str]:
     """Sentences on the limits that fail or hold up to a highest speed."""
-    failing = [f"{_name(one)}: {one.remarks[0]}" for one in verdicts if one.verdict == FAIL and one.remarks]
+    failing = [
+        f"{_name(verdict)}: {verdict.remarks[0]}" for verdict in verdicts if verdict.verdict == FAIL and verdict.remarks
+    ]
     return failing + [
-        f"{_name(one)}: holds up to {one.highest * RPM:.4g} r/min" for one in verdicts if one.highest is not None
+        f"{_name(verdict)}: holds up to {verdict.highest * RPM:.4g} r/min"
+        for verdict in verdicts
+        if verdict.highest is not None
     ]
 
 
-def _name(one: LimitVerdict) -> str:
+def _name(verdict: LimitVerdict) -> str:
     """Name of a limit with the symbol of its criterion, if it has one."""
-    return one.limit if one.criterion in ("continuous", "all") else f"{one.limit} {one.criterion}"
+    return verdict.limit if verdict.criterion in ("continuous", "all") else f"{verdict.limit} {verdict.criterion}"
 
 
 def _factor(shown: Sensor, judged: Sequence[Sensor], factor: float, subject: LimitSubject) -> float | None:
@@ -310,14 +316,14 @@ def _factor(shown: Sensor, judged: Sequence[Sensor], factor: float, subject: Lim
 
     ``factor`` leads from the judged sensors to that value.
     """
-    if shown in judged or shown in [replace(one, at=None) for one in judged]:
+    if shown in judged or shown in [replace(sensor, at=None) for sensor in judged]:
         return factor
-    torque = any(one.of == shown.of and one.quantity == "torque" for one in judged)
+    torque = any(sensor.of == shown.of and sensor.quantity == "torque" for sensor in judged)
     diameters = subject.elements[shown.of].diameters if shown.quantity == "stress" and torque else None
     if diameters is None:
         return None
     value = Values(subject.values)
-    return factor * RoundSection(*(float(value(one)) for one in diameters)).modulus
+    return factor * RoundSection(*(float(value(diameter)) for diameter in diameters)).modulus
 
 
 MOST_ORDERS = 5
@@ -372,10 +378,10 @@ def over_speed(
         "rpm": json_numbers(run.rpm),
         "total": run.sum_label,
         "half_range": json_numbers(run.half_range[:, 0]),
-        "orders": [{"name": one["name"], "magnitude": one.pop("curve")} for one in tested] or _largest(run),
+        "orders": [{"name": order["name"], "magnitude": order.pop("curve")} for order in tested] or _largest(run),
         "tested": tested,
         "count": len(run.lines),
-        "lines": [{"name": str(one), "slope": float(one.relative) / 60, "fixed": one.fixed} for one in run.lines],
+        "lines": [{"name": str(line), "slope": float(line.relative) / 60, "fixed": line.fixed} for line in run.lines],
         "thinned": thinned or (rough and bool(rig.definition.limits)),
         "notes": list(map(str, run.notes)),
         **speed_limits(rig, run, rough=rough),

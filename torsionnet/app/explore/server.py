@@ -191,7 +191,7 @@ class Handler(BaseHTTPRequestHandler):
     def _check_end(self) -> None:
         """Refuse a header that leaves open where the request ends: its rest would be taken for the next request."""
         has_body = self.headers.get_all("Content-Length", ["0"]) != ["0"] or "Transfer-Encoding" in self.headers
-        is_broken = any(isinstance(one, MissingHeaderBodySeparatorDefect) for one in self.headers.defects)
+        is_broken = any(isinstance(defect, MissingHeaderBodySeparatorDefect) for defect in self.headers.defects)
         is_folded = any("\n" in value or "\r" in value for value in self.headers.values())
         if is_broken or is_folded or (self.command == "GET" and has_body):
             raise RefusedError(HTTPStatus.BAD_REQUEST, "the header of the request is not sound, or GET has a body")

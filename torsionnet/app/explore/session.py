@@ -101,7 +101,7 @@ def choices(rig: Drivetrain, pairs: Sequence[ResponseChoice], over_speed: Sequen
     known = ({name for name, _ in (*sensors, *nodes)}, {name for name, _ in (*inputs, *sensors, *torques)})
     outputs = (*over_speed, *(pair.output for pair in pairs))
     asked = (_others(outputs, known[0]), _others((pair.input for pair in pairs), known[1]))
-    inside, sheared = ([one for one in group if one[0] not in outputs] for group in _in_elements(rig))
+    inside, sheared = ([offered for offered in group if offered[0] not in outputs] for group in _in_elements(rig))
     return {
         "outputs": _groups(
             ("sensors", sensors),
@@ -119,11 +119,11 @@ def choices(rig: Drivetrain, pairs: Sequence[ResponseChoice], over_speed: Sequen
 def _in_elements(rig: Drivetrain) -> tuple[list[tuple[str, str]], list[tuple[str, str]]]:
     """Names and labels of the torques in shafts and springs between nodes, and of the stresses in shafts."""
     every = rig.elements.values() if runs(rig) else ()
-    twisting = [one for one in every if one.glyph in TWISTING and GROUND not in one.ports.values()]
-    shafts = [one for one in twisting if not section_fault(one)]
-    torques = [Sensor("torque", one.name) for one in twisting]
-    stresses = [Sensor("stress", one.name) for one in shafts]
-    return [(str(one), _what(one)) for one in torques], [(str(one), _what(one)) for one in stresses]
+    twisting = [element for element in every if element.glyph in TWISTING and GROUND not in element.ports.values()]
+    shafts = [element for element in twisting if not section_fault(element)]
+    torques = [Sensor("torque", element.name) for element in twisting]
+    stresses = [Sensor("stress", shaft.name) for shaft in shafts]
+    return [(str(sensor), _what(sensor)) for sensor in torques], [(str(sensor), _what(sensor)) for sensor in stresses]
 
 
 def _what(sensor: Sensor) -> str:

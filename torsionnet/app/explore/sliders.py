@@ -227,7 +227,7 @@ def followed_torques(
 
 def _unresisted(network: LawNetwork, before: Tangents) -> FloatArray:
     """Motions (n, n_free) over the free motions that no law over the speed resists at an operating point."""
-    rows = [_row(network, one.law.row) for one in network.over_rate if _resists(network, before, one)]
+    rows = [_row(network, placed.law.row) for placed in network.over_rate if _resists(network, before, placed)]
     n = len(network.free_motions)
     if not rows:
         return np.eye(n)
@@ -235,14 +235,14 @@ def _unresisted(network: LawNetwork, before: Tangents) -> FloatArray:
     return np.asarray(directions[int(np.sum(sizes > NEGLIGIBLE * sizes.max(initial=0.0))) :])
 
 
-def _resists(network: LawNetwork, before: Tangents, one: PlacedMotionLaw) -> bool:
+def _resists(network: LawNetwork, before: Tangents, placed: PlacedMotionLaw) -> bool:
     """Whether the torque of a law over the speed answers changes: it sticks, or rises or falls with the speed."""
     try:
-        states = before.state.states[one.owner]
+        states = before.state.states[placed.owner]
     except TorsionnetError:
         return True
-    state = states[[law.number for law in network.motion if law.owner == one.owner].index(one.number)]
-    return bool(one.law.curve.holds(state)) or float(one.law.curve.slopes(state)[1]) != 0
+    state = states[[law.number for law in network.motion if law.owner == placed.owner].index(placed.number)]
+    return bool(placed.law.curve.holds(state)) or float(placed.law.curve.slopes(state)[1]) != 0
 
 
 def _row(network: LawNetwork, row: Mapping[str, float]) -> FloatArray:
@@ -288,7 +288,7 @@ def point_rows(rig: Drivetrain) -> list[PointSlider]:
     """Rows for the operating point of a model in its configuration; none without laws of motion that follow it."""
     definition = rig.definition
     if definition.tangents is None or not any(
-        one.has_motion_laws and not keeps_own_point(one, definition) for one in definition.switched_on
+        element.has_motion_laws and not keeps_own_point(element, definition) for element in definition.switched_on
     ):
         return []
     return list(_point_sliders(definition))
@@ -311,7 +311,7 @@ def _point_sliders(definition: Definition) -> Iterator[PointSlider]:
 
 def all_point_rows(rig: Drivetrain) -> list[PointSlider]:
     """Rows for the operating points of a model in any of its configurations, each once."""
-    if not any(one.has_motion_laws for one in rig.definition.elements.values()):
+    if not any(element.has_motion_laws for element in rig.definition.elements.values()):
         return []
     points = [overlay.operating_point for axis in rig.definition.configurations.values() for overlay in axis.values()]
     rows = {row.name: row for row in _point_sliders(rig.definition)}
@@ -381,7 +381,7 @@ def _is_balanced(rig: Drivetrain) -> bool:
 
 def _torques(rig: Drivetrain) -> dict[str, float]:
     values = rig.exact_values
-    return {place: float(one.evaluate(values)) for place, one in rig.definition.operating_point.torque.items()}
+    return {place: float(torque.evaluate(values)) for place, torque in rig.definition.operating_point.torque.items()}
 
 
 def _text(own: Expression, torque: float) -> str:

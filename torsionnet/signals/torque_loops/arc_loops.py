@@ -91,21 +91,21 @@ def arc_loops(loops: Sequence[TorqueLoop]) -> ArcLoops | None:
     """
     from scipy.optimize import least_squares
 
-    if not any(one.bends for one in loops) or any(abs(one.mean_torque) <= 0 for one in loops):
+    if not any(loop.bends for loop in loops) or any(abs(loop.mean_torque) <= 0 for loop in loops):
         return None
-    cases = [_Case.of(one) for one in loops]
-    speeds = any(one.speed for one in cases)
+    cases = [_Case.of(loop) for loop in loops]
+    speeds = any(case.speed for case in cases)
     usual = np.log([_product(cases[0]) / USUAL_WINDING, USUAL_WINDING, USUAL_PRESSING if speeds else 1e-12])
     free = 3 if speeds else 2
 
     def misses(values: FloatArray) -> FloatArray:
         # What loops do not tell stays near what is usual, and its spread there goes into all intervals.
         beside = (values[1:] - usual[1:free]) / np.array(USUAL_SPREAD)[: free - 1]
-        return np.concatenate([*(one.misses(np.append(values, usual[free:])) for one in cases), beside])
+        return np.concatenate([*(case.misses(np.append(values, usual[free:])) for case in cases), beside])
 
     fit: Any = least_squares(misses, usual[:free], x_scale=0.1)
     logs = np.append(fit.x, usual[free:])
-    if np.sqrt(np.mean(np.concatenate([one.shares(logs) for one in cases]) ** 2)) > ALIKE:
+    if np.sqrt(np.mean(np.concatenate([case.shares(logs) for case in cases]) ** 2)) > ALIKE:
         return None
     freedom = max(1, 2 * len(cases) - 1)
     scatter = max(1.0, float(np.sqrt(2 * fit.cost / freedom))) * student_quantile(freedom)
@@ -150,8 +150,8 @@ class _Case:
         tip = (twist[0] + twist[-1]) / 2 + loop.amplitude.value  # branches leave out as much at either end
         top = float(np.polyval(np.polyfit(twist[near] - tip, branch[near], 2), 0.0))
         sure = [
-            float(np.hypot(MODEL_SHARE, (one.half_width or 0.0) / (2 * one.value)))
-            for one in (loop.secant_stiffness, loop.loss)
+            float(np.hypot(MODEL_SHARE, (quantity.half_width or 0.0) / (2 * quantity.value)))
+            for quantity in (loop.secant_stiffness, loop.loss)
         ]
         return cls(
             loop.amplitude.value, top, loop.speed or 0.0, loop.secant_stiffness.value, loop.loss.value,

@@ -72,13 +72,13 @@ def without_inertia(record: LoopRecord, cycles: Sequence[Cycle], inertia: float)
 
 def without_drift(record: LoopRecord, cycles: Sequence[Cycle], lines: Sequence[JoinedLines]) -> LoopRecord:
     """Record in which every cycle is rid of the straight line that its torque drifts along from cycle to cycle."""
-    levels = np.array([one.level for one in lines])
+    levels = np.array([line.level for line in lines])
     # From the same twist a cycle apart: the mean of both neighbours, at the ends of one.
     rates = np.gradient(levels) if len(levels) > 1 else np.zeros(1)
     torque = record.torque.copy()
-    for one, rate in zip(cycles, rates.tolist(), strict=True):
-        share = np.arange(one.last - one.first) / (one.last - one.first)
-        torque[one.first : one.last] -= rate * (share - 0.5)
+    for cycle, rate in zip(cycles, rates.tolist(), strict=True):
+        share = np.arange(cycle.last - cycle.first) / (cycle.last - cycle.first)
+        torque[cycle.first : cycle.last] -= rate * (share - 0.5)
     return replace(record, torque=torque)
 
 
@@ -98,15 +98,15 @@ def encoder_step(twist: FloatArray) -> float:
 
 
 def stepped_loops(
-    record: LoopRecord, one: Cycle, lines: JoinedLines, step: float
+    record: LoopRecord, cycle: Cycle, lines: JoinedLines, step: float
 ) -> Iterator[tuple[LoopRecord, Cycle]]:
     """Loops of a cycle along joined lines without noise, seen without steps, then by an encoder with a step in rad.
 
     Steps repeat every cycle, so that cycles agree with each other and are wrong. Here they lie at several places.
     """
-    places, sense = rising_of([one])
-    top, last = one.top - one.first, len(places) - 1
-    smooth = smooth_twist(record.twist, one)
+    places, sense = rising_of([cycle])
+    top, last = cycle.top - cycle.first, len(places) - 1
+    smooth = smooth_twist(record.twist, cycle)
     smooth_record = replace(record, time=record.time[places], twist=smooth, torque=lines.loop(smooth, sense))
     shifts = np.arange(SHIFTS) / SHIFTS * step
     stepped = [smooth, *(np.round((smooth + shift) / step) * step - shift for shift in shifts)]
@@ -114,31 +114,31 @@ def stepped_loops(
         yield replace(smooth_record, twist=twist), cycle_at(twist, 0, top, last)
 
 
-def step_deviations(record: LoopRecord, one: Cycle, each: Sequence[JoinedLines], step: float) -> dict[str, float]:
+def step_deviations(record: LoopRecord, cycle: Cycle, each: Sequence[JoinedLines], step: float) -> dict[str, float]:
     """Deviation of each number of a loop by steps of the encoder in rad, root mean square over places of the steps.
 
-    ``each``: lines of all cycles of the run, of which ``one`` is the first.
+    ``each``: lines of all cycles of the run, of which ``cycle`` is the first.
     """
     lines, flat = each[0], flat_piece(each)
-    true, *others = (_numbers(seen, own, lines, flat) for seen, own in stepped_loops(record, one, lines, step))
+    true, *others = (_numbers(seen, own, lines, flat) for seen, own in stepped_loops(record, cycle, lines, step))
     return {
         name: float(np.sqrt(np.mean([(again.get(name, value) - value) ** 2 for again in others])))
         for name, value in true.items()
     }
 
 
-def _numbers(record: LoopRecord, one: Cycle, lines: JoinedLines, flat: int | None) -> dict[str, float]:
-    samples = record.branches([one])
+def _numbers(record: LoopRecord, cycle: Cycle, lines: JoinedLines, flat: int | None) -> dict[str, float]:
+    samples = record.branches([cycle])
     begin, end = float(record.time[0]), float(2 * record.time[-1] - record.time[-2])
-    return {**line_numbers(fitted(lines, samples)[0], samples, flat), **cycle_numbers(record, one, begin, end)}
+    return {**line_numbers(fitted(lines, samples)[0], samples, flat), **cycle_numbers(record, cycle, begin, end)}
 
 
 def without_stepped_breaks(record: LoopRecord, cycles: Sequence[Cycle], lines: JoinedLines, step: float) -> JoinedLines:
     """Joined lines without the breaks that steps of the encoder in rad may make, the least certain first."""
     pooled = pooled_branches(record, cycles)
     while len(lines.breaks):
-        seen = [one.branches([own]) for one, own in stepped_loops(record, cycles[0], lines, step)]
-        slopes = np.array([fitted(lines, one)[0].slopes for one in seen])
+        seen = [stepped.branches([own]) for stepped, own in stepped_loops(record, cycles[0], lines, step)]
+        slopes = np.array([fitted(lines, samples)[0].slopes for samples in seen])
         spread = np.sqrt(np.mean((slopes[1:] - slopes[0]) ** 2, axis=0))
         surely = np.abs(np.diff(lines.slopes)) / np.maximum(np.hypot(spread[:-1], spread[1:]), 1e-300)
         if surely.min() >= STEP_BREAK:

@@ -148,11 +148,11 @@ def cycle_at(twist: FloatArray, first: int, top: int, last: int) -> Cycle:
 def repeated_cycles(cycles: Sequence[Cycle]) -> list[list[Cycle]]:
     """Runs of cycles that follow each other and reverse at the same twists, in their order; single ones as well."""
     runs: list[list[Cycle]] = []
-    for one in cycles:
-        if runs and runs[-1][-1].last == one.first and runs[-1][0].repeats(one) and runs[-1][-1].repeats(one):
-            runs[-1].append(one)
+    for cycle in cycles:
+        if runs and runs[-1][-1].last == cycle.first and runs[-1][0].repeats(cycle) and runs[-1][-1].repeats(cycle):
+            runs[-1].append(cycle)
         else:
-            runs.append([one])
+            runs.append([cycle])
     return runs
 
 
@@ -161,8 +161,8 @@ def even_bounds(cycles: Sequence[Cycle], time: FloatArray) -> FloatArray:
 
     The time of a single reversal of a sine is known to a few samples only.
     """
-    ends = np.array([time[one.first] for one in cycles] + [time[cycles[-1].last]])
-    tops = np.array([time[one.top] for one in cycles])
+    ends = np.array([time[cycle.first] for cycle in cycles] + [time[cycles[-1].last]])
+    tops = np.array([time[cycle.top] for cycle in cycles])
     number = np.arange(len(ends))
     halves, times = np.concatenate([number, number[:-1] + 0.5]), np.concatenate([ends, tops])
     # Reversals are half a period apart only if both ways take equally long: a column for the other case.
@@ -177,17 +177,17 @@ def rising_of(cycles: Sequence[Cycle]) -> tuple[NDArray[np.intp], FloatArray]:
     """Samples of a run of cycles, and the sense of the twist there, 1 where it rises and -1 where it falls."""
     places = np.arange(cycles[0].first, cycles[-1].last)
     sense = np.empty(len(places))
-    for one, (begin, end) in zip(cycles, pairwise([*(c.first for c in cycles), cycles[-1].last]), strict=True):
-        sense[begin - places[0] : end - places[0]] = np.where(np.arange(begin, end) < one.top, 1.0, -1.0)
+    for cycle, (begin, end) in zip(cycles, pairwise([*(c.first for c in cycles), cycles[-1].last]), strict=True):
+        sense[begin - places[0] : end - places[0]] = np.where(np.arange(begin, end) < cycle.top, 1.0, -1.0)
     return places, sense
 
 
-def smooth_twist(twist: FloatArray, one: Cycle) -> FloatArray:
+def smooth_twist(twist: FloatArray, cycle: Cycle) -> FloatArray:
     """Twist in rad over the samples of a cycle without noise and steps: a polynomial for each way.
 
     It is good for half a sine and for a straight line.
     """
-    halves = np.split(twist[one.first : one.last], [one.top - one.first])
+    halves = np.split(twist[cycle.first : cycle.last], [cycle.top - cycle.first])
     return np.concatenate([_polynomial(half) for half in halves])
 
 

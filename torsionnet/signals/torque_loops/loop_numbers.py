@@ -67,17 +67,17 @@ class LoopRecord:
     @classmethod
     def of(cls, time: FloatArray, torque: FloatArray, twist: FloatArray) -> LoopRecord:
         """Record with noise read from its samples."""
-        noises = (max(noise_of(one), TIES * float(np.ptp(one))) for one in (torque, twist))
+        noises = (max(noise_of(signal), TIES * float(np.ptp(signal))) for signal in (torque, twist))
         return cls(time, torque, twist, *noises)
 
     def branches(self, cycles: Sequence[Cycle]) -> LoopSamples:
         """Samples of a run of cycles away from their reversals."""
         places, sense = rising_of(cycles)
         twist = self.twist[places]
-        low, high = float(np.mean([one.low for one in cycles])), float(np.mean([one.high for one in cycles]))
+        low, high = float(np.mean([cycle.low for cycle in cycles])), float(np.mean([cycle.high for cycle in cycles]))
         away = AT_REVERSAL * (high - low)
         # Chosen without the noise: samples that noise puts beyond a threshold make steep flanks steeper.
-        smooth = np.concatenate([smooth_twist(self.twist, one) for one in cycles])
+        smooth = np.concatenate([smooth_twist(self.twist, cycle) for cycle in cycles])
         inside = (smooth > low + away) & (smooth < high - away)
         samples = LoopSamples(twist, self.torque[places], sense, self.twist_noise, self.torque_noise)
         return samples.chosen(inside)
@@ -96,9 +96,10 @@ def student_quantile(freedom: int, confidence: float = CONFIDENCE) -> float:
 
 def pooled_branches(record: LoopRecord, cycles: Sequence[Cycle]) -> LoopSamples:
     """Samples of all cycles of a run, each without its mean torque: else the drift between them is noise."""
-    parts = [_without_mean(record.branches([one])) for one in cycles]
+    parts = [_without_mean(record.branches([cycle])) for cycle in cycles]
     twist, torque, sense = (
-        np.concatenate(one) for one in zip(*((part.twist, part.torque, part.sense) for part in parts), strict=True)
+        np.concatenate(column)
+        for column in zip(*((part.twist, part.torque, part.sense) for part in parts), strict=True)
     )
     return LoopSamples(twist, torque, sense, record.twist_noise, record.torque_noise)
 
@@ -112,13 +113,13 @@ def common_lines(record: LoopRecord, cycles: Sequence[Cycle]) -> tuple[JoinedLin
 
     Noise that wanders makes breaks in single cycles, which an F test over all samples takes for true.
     """
-    parts = [_without_mean(record.branches([one])) for one in cycles]
+    parts = [_without_mean(record.branches([cycle])) for cycle in cycles]
     pooled = pooled_branches(record, cycles)
     lines, bends = joined_lines(pooled, len(cycles))
     while len(lines.breaks):
         # The break that single cycles repeat least, by size and by Student's test, goes, until all are repeated.
-        each = [fitted(lines, one)[0] for one in parts]
-        changes = np.array([np.diff(one.slopes) for one in each])
+        each = [fitted(lines, samples)[0] for samples in parts]
+        changes = np.array([np.diff(joined.slopes) for joined in each])
         weak = np.abs(changes.mean(axis=0)) / np.maximum(np.abs(lines.slopes[:-1]), np.abs(lines.slopes[1:]))
         surely = np.full(len(weak), np.inf)
         if len(parts) > 2:
@@ -185,7 +186,7 @@ def flat_piece(each: Sequence[JoinedLines]) -> int | None:
     Noise of the torque tilts a short piece: it is flat where its mean slope over the cycles may be that of free play,
     and is known to a few of it.
     """
-    slopes = np.array([one.slopes for one in each])
+    slopes = np.array([joined.slopes for joined in each])
     mean, doubt = slopes.mean(axis=0), np.zeros(slopes.shape[1])
     if len(each) > 1:
         doubt = student_quantile(len(each) - 1) * slopes.std(axis=0, ddof=1) / np.sqrt(len(each))
@@ -218,22 +219,22 @@ def _with_both(numbers: dict[str, float]) -> dict[str, float]:
     if not sides["drive"] or sides["drive"] != sides["coast"]:
         return numbers
     both = {name: (numbers[f"drive {name}"] + numbers[f"coast {name}"]) / 2 for name in sides["drive"]}
-    return {**numbers, **{f"both {name}": one for name, one in both.items()}}
+    return {**numbers, **{f"both {name}": value for name, value in both.items()}}
 
 
-def cycle_numbers(record: LoopRecord, one: Cycle, begin: float, end: float) -> dict[str, float]:
+def cycle_numbers(record: LoopRecord, cycle: Cycle, begin: float, end: float) -> dict[str, float]:
     """Numbers of a cycle as a whole, by name, SI units: amplitude, secant, loss, first harmonic."""
-    inside = slice(one.first, one.last + 1)
+    inside = slice(cycle.first, cycle.last + 1)
     twist, torque = record.twist[inside], record.torque[inside]
-    reach = min(max(FEWEST, int(END_SHARE * (one.last - one.first))), (one.top - one.first) // 2)
+    reach = min(max(FEWEST, int(END_SHARE * (cycle.last - cycle.first))), (cycle.top - cycle.first) // 2)
     away = max(1, reach // 5)  # the reversal is known to a few samples
     # At a tip the torque is that at the end of the branch that leads there; behind it the friction turns.
-    top, low = (end_value(record.torque[at - 2 * reach : at - away], beyond=away + 1) for at in (one.top, one.last))
-    amplitude = one.swing / 2
+    top, low = (end_value(record.torque[at - 2 * reach : at - away], beyond=away + 1) for at in (cycle.top, cycle.last))
+    amplitude = cycle.swing / 2
     secant = (top - low) / (2 * amplitude)
     closed = np.r_[twist, twist[0]], np.r_[torque, torque[0]]
     loss = float(np.trapezoid(closed[1], closed[0]))
-    count = one.last - one.first
+    count = cycle.last - cycle.first
     times = begin + (end - begin) * np.arange(count) / count
     turn = np.exp(-2j * np.pi * np.arange(count) / count)
     torques, twists = (np.interp(times, record.time, values) for values in (record.torque, record.twist))
@@ -256,19 +257,19 @@ def run_numbers(
 ) -> tuple[list[dict[str, float]], list[JoinedLines]]:
     """Numbers of each cycle of a run by name, and its joined lines."""
     bounds = even_bounds(cycles, record.time)
-    parts = [record.branches([one]) for one in cycles]
-    each = [fitted(replace(lines, level=lines.level + float(one.torque.mean())), one)[0] for one in parts]
+    parts = [record.branches([cycle]) for cycle in cycles]
+    each = [fitted(replace(lines, level=lines.level + float(samples.torque.mean())), samples)[0] for samples in parts]
     flat = flat_piece(each)
     numbers = [
-        {**line_numbers(mine, samples, flat), **cycle_numbers(record, one, begin, end)}
-        for mine, samples, one, (begin, end) in zip(each, parts, cycles, pairwise(bounds.tolist()), strict=True)
+        {**line_numbers(mine, samples, flat), **cycle_numbers(record, cycle, begin, end)}
+        for mine, samples, cycle, (begin, end) in zip(each, parts, cycles, pairwise(bounds.tolist()), strict=True)
     ]
     return numbers, each
 
 
 def drift_of(lines: Sequence[JoinedLines]) -> LoopValue:
     """Rise of the torque from a cycle to the next at the same twist in N m, by the levels of their lines."""
-    levels = np.array([one.level for one in lines])
+    levels = np.array([joined.level for joined in lines])
     return mean_value(np.diff(levels), 0.0) if len(levels) > 1 else LoopValue(0.0)
 
 
@@ -290,9 +291,11 @@ def loop_of(
 ) -> TorqueLoop:
     """Loop of a run of cycles from the numbers and lines of each; ``further``: deviations that all cycles share."""
     numbers, lines, bends = of_cycles
-    names = [name for name in numbers[0] if all(name in one for one in numbers)]
-    value = {name: mean_value(np.array([one[name] for one in numbers]), further.get(name, 0.0)) for name in names}
-    breaks = np.mean([one.breaks for one in lines], axis=0)
+    names = [name for name in numbers[0] if all(name in by_name for by_name in numbers)]
+    value = {
+        name: mean_value(np.array([by_name[name] for by_name in numbers]), further.get(name, 0.0)) for name in names
+    }
+    breaks = np.mean([joined.breaks for joined in lines], axis=0)
     grid, upper, lower = mean_branches(record, cycles, breaks)
     bounds = even_bounds(cycles, record.time)
     return TorqueLoop(
@@ -316,7 +319,7 @@ def loop_of(
         twist=grid,
         upper=upper,
         lower=lower,
-        spring_line=np.asarray(np.mean([one.torque(grid) for one in lines], axis=0)),
+        spring_line=np.asarray(np.mean([joined.torque(grid) for joined in lines], axis=0)),
         crossing=_crossing(record, cycles, lines),
         relaxation=_relaxation(record, cycles),
         bends=bends,
@@ -330,11 +333,11 @@ def _crossing(record: LoopRecord, cycles: Sequence[Cycle], each: Sequence[Joined
     samples the area is right.
     """
     crossings = []
-    for one, lines in zip(cycles, each, strict=True):
+    for cycle, lines in zip(cycles, each, strict=True):
         lengths, steps = [], []
-        for at, sense, tip in ((one.first, 1.0, one.low), (one.top, -1.0, one.high)):
-            smooth = sense * (record.twist[at : at + (one.last - one.first) // 4] - tip)
-            near = np.arange(at, at + max(2, int(np.argmax(smooth > BEHIND * one.swing))))
+        for at, sense, tip in ((cycle.first, 1.0, cycle.low), (cycle.top, -1.0, cycle.high)):
+            smooth = sense * (record.twist[at : at + (cycle.last - cycle.first) // 4] - tip)
+            near = np.arange(at, at + max(2, int(np.argmax(smooth > BEHIND * cycle.swing))))
             twist, torque = record.twist[near], record.torque[near]
             friction = lines.friction[lines.piece(twist)]
             past = np.maximum(sense * (twist - tip), 0.0)
@@ -349,11 +352,11 @@ def _crossing(record: LoopRecord, cycles: Sequence[Cycle], each: Sequence[Joined
 def _relaxation(record: LoopRecord, cycles: Sequence[Cycle]) -> LoopValue | None:
     """Torque lost while the twist is held at its highest, N m; None where it is not held."""
     losses = []
-    for one in cycles:
-        near = np.flatnonzero(np.abs(record.twist[one.first : one.last] - one.high) < HELD * one.swing)
-        if len(near) < LONG_HELD * (one.last - one.first):
+    for cycle in cycles:
+        near = np.flatnonzero(np.abs(record.twist[cycle.first : cycle.last] - cycle.high) < HELD * cycle.swing)
+        if len(near) < LONG_HELD * (cycle.last - cycle.first):
             return None
-        torque = record.torque[one.first + near]
+        torque = record.torque[cycle.first + near]
         fifth = max(1, len(near) // 5)
         losses.append(torque[fifth : 2 * fifth].mean() - torque[-fifth:].mean())
     return mean_value(np.array(losses), 0.0)

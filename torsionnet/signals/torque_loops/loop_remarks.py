@@ -101,8 +101,8 @@ def series_remarks(loops: Sequence[TorqueLoop]) -> list[NoteOrText]:
     Something elastic stands in series with the friction.
     """
     remarks: list[NoteOrText] = []
-    for one in loops:
-        share, crossing, wide = friction_build_up(one), one.crossing, _width_by_rate(one)
+    for loop in loops:
+        share, crossing, wide = friction_build_up(loop), loop.crossing, _width_by_rate(loop)
         half = crossing.half_width
         if share > BUILD_UP:
             remarks.append(
@@ -115,17 +115,17 @@ def series_remarks(loops: Sequence[TorqueLoop]) -> list[NoteOrText]:
                     )
                 )
             )
-        elif wide > VISCOUS * one.friction.value:
+        elif wide > VISCOUS * loop.friction.value:
             remarks.append(
                 phrase(
                     "the loop is wider in its middle, as by friction that grows with speed: over a sine c = "
                     "{damping:.2g} N m s/rad; run at two speeds",
-                    damping=wide / (2 * np.pi * one.frequency * one.amplitude.value),
+                    damping=wide / (2 * np.pi * loop.frequency * loop.amplitude.value),
                 )
             )
-        elif not one.bends and half is not None and crossing.value > half + CROSSING * one.amplitude.value:
+        elif not loop.bends and half is not None and crossing.value > half + CROSSING * loop.amplitude.value:
             # The component stands still until what is in series has crossed the 2 M to a branch that rises by k.
-            stiffness = 2 * one.friction.value / crossing.value + one.storage_stiffness.value
+            stiffness = 2 * loop.friction.value / crossing.value + loop.storage_stiffness.value
             remarks.append(
                 warning(
                     phrase(
@@ -134,7 +134,7 @@ def series_remarks(loops: Sequence[TorqueLoop]) -> list[NoteOrText]:
                         "too soft; or the torque comes late: run at two speeds",
                         crossing=np.degrees(crossing.value),
                         stiffness=stiffness,
-                        share=100 * one.storage_stiffness.value / stiffness,
+                        share=100 * loop.storage_stiffness.value / stiffness,
                     )
                 )
             )
@@ -205,7 +205,7 @@ def _drift(loop: TorqueLoop, applied: Applied) -> list[NoteOrText]:
 
 def _remark_on_steps(loop: TorqueLoop, record: LoopRecord, step: float) -> list[NoteOrText]:
     """Remark on steps of the encoder."""
-    steepest = max((one.stiffness.value for one in loop.stages), default=loop.secant_stiffness.value)
+    steepest = max((stage.stiffness.value for stage in loop.stages), default=loop.secant_stiffness.value)
     over = step * steepest / record.torque_noise if step else 0.0
     if over <= HARMLESS_STEP:
         return []
@@ -232,15 +232,17 @@ def _sides(loop: TorqueLoop) -> list[NoteOrText]:
 
 
 def _difference(drive: LoopStage, coast: LoopStage, name: str) -> str:
-    one, other = getattr(drive, name), getattr(coast, name)
-    if one is None or other is None or one.half_width is None or other.half_width is None:
+    driving, coasting = getattr(drive, name), getattr(coast, name)
+    if driving is None or coasting is None or driving.half_width is None or coasting.half_width is None:
         return ""
-    apart = abs(one.value - other.value)
+    apart = abs(driving.value - coasting.value)
     # Stages are many: only differences beyond both intervals together are told.
-    if apart <= one.half_width + other.half_width or apart <= TOLD * max(abs(one.value), abs(other.value)):
+    if apart <= driving.half_width + coasting.half_width or apart <= TOLD * max(
+        abs(driving.value), abs(coasting.value)
+    ):
         return ""
     text = "stage {number}: {quantity} differs, {drive:.4g} in drive and {coast:.4g} in coast"
-    return phrase(text, number=drive.number, quantity=phrase(name), drive=one.value, coast=other.value)
+    return phrase(text, number=drive.number, quantity=phrase(name), drive=driving.value, coast=coasting.value)
 
 
 def friction_build_up(loop: TorqueLoop) -> float:
@@ -258,7 +260,7 @@ def speed_remarks(loops: Sequence[TorqueLoop]) -> list[NoteOrText]:
     with slowness is creep. A stiffness that falls as the square of the frequency is that of a moving inertia.
     """
     remarks: list[NoteOrText] = []
-    for slow, fast in combinations(sorted(loops, key=lambda one: one.frequency), 2):
+    for slow, fast in combinations(sorted(loops, key=lambda loop: loop.frequency), 2):
         alike = abs(slow.amplitude.value - fast.amplitude.value) < ALIKE * fast.amplitude.value
         alike = alike and abs(slow.mean_twist - fast.mean_twist) < ALIKE * fast.amplitude.value
         if alike and fast.frequency > FASTER * slow.frequency:

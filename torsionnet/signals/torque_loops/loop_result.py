@@ -145,16 +145,16 @@ class TorqueLoop:
 
     def side(self, name: str) -> tuple[LoopStage, ...]:
         """Stages of a side of a loop: drive, coast, or both for the mean of the two; empty where there is none."""
-        return tuple(one for one in self.stages if one.side == name)
+        return tuple(stage for stage in self.stages if stage.side == name)
 
     def quantities(self) -> Iterator[tuple[str, str, LoopValue]]:
         """Quantities of a loop with side and stage, and the words in ``UNITS``."""
-        for one in self.stages:
-            where = f"{one.side}, stage {one.number}"
-            yield where, "stiffness", one.stiffness
-            if one.begins is not None:
-                yield where, "begins", one.begins
-            yield where, "friction", one.friction
+        for stage in self.stages:
+            where = f"{stage.side}, stage {stage.number}"
+            yield where, "stiffness", stage.stiffness
+            if stage.begins is not None:
+                yield where, "begins", stage.begins
+            yield where, "friction", stage.friction
         whole = {
             "free play": self.free_play, "torque offset": self.torque_offset, "friction": self.friction,
             "amplitude": self.amplitude, "secant stiffness k_s": self.secant_stiffness,
@@ -162,7 +162,7 @@ class TorqueLoop:
             "storage stiffness k'": self.storage_stiffness, "loss stiffness k''": self.loss_stiffness,
             "loss factor eta_1": self.eta_1, "drift of a cycle": self.drift,
         }  # fmt: skip
-        yield from (("whole loop", name, one) for name, one in whole.items() if one is not None)
+        yield from (("whole loop", name, value) for name, value in whole.items() if value is not None)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -209,12 +209,12 @@ class TorqueLoops(SavedResult):
         for number, loop in enumerate(self.loops, 1):
             rpm = None if loop.speed is None else loop.speed * RPM
             point = (number, loop.mean_torque, loop.amplitude.value * conventions.scale("rad"), rpm)
-            for where, name, one in loop.quantities():
+            for where, name, value in loop.quantities():
                 unit = UNITS[name]
                 scale = conventions.scale(unit) if unit == "rad" else 1.0
-                half = None if one.half_width is None else one.half_width * scale
+                half = None if value.half_width is None else value.half_width * scale
                 shown = conventions.unit(unit) if unit == "rad" else unit
-                rows.append((*point, where, name, one.value * scale, half, shown))
-        counts = ", ".join(f"{one.cycles} at {one.frequency:.4g} Hz" for one in self.loops)
+                rows.append((*point, where, name, value.value * scale, half, shown))
+        counts = ", ".join(f"{loop.cycles} at {loop.frequency:.4g} Hz" for loop in self.loops)
         head = f"{self.title}: {self.torque} over {self.twist}" if self.title else f"{self.torque} over {self.twist}"
         return Table(head, columns, tuple(rows), (f"cycles of the loops: {counts}", *map(str, self.notes)))

@@ -85,7 +85,7 @@ def loops(
     check_processable(chosen)
     applied = Applied(delay, inertia, drift, encoder_step)
     remarked = list(_loops(without_delays(chosen, {torque: delay}), torque, angles, speed_channel, applied))
-    every = tuple(one for one, _ in remarked)
+    every = tuple(loop for loop, _ in remarked)
     arcs = arc_loops(every)
     notes = [*(note for _, ours in remarked for note in ours), *speed_remarks(every)]
     notes += series_remarks(every) if arcs is None else arcs.notes()
@@ -118,15 +118,15 @@ def _runs(twist: FloatArray) -> list[list[Cycle]]:
             "record a triangle or a sine of at least three cycles",
             kind="no-reversal",
         )
-    runs = [one for one in repeated_cycles(cycles) if len(one) >= FEWEST_CYCLES]
+    runs = [run for run in repeated_cycles(cycles) if len(run) >= FEWEST_CYCLES]
     if not runs:
-        swings = ", ".join(f"{one.swing / 2:.3g}" for one in cycles[:6])
+        swings = ", ".join(f"{cycle.swing / 2:.3g}" for cycle in cycles[:6])
         raise UsageError(
             f"no two of {len(cycles)} cycles reverse at the same twists: amplitudes {swings} rad; "
             "hold each amplitude for at least three cycles",
             kind="no-reversal",
         )
-    return [one[1:] for one in runs]
+    return [run[1:] for run in runs]
 
 
 def _loop(

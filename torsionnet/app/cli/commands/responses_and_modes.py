@@ -263,7 +263,7 @@ def _chosen(sensitivities: ModeSensitivities, modes: tuple[int, ...]) -> Table:
 
 def _chosen_data(data: dict[str, Any], modes: tuple[int, ...]) -> dict[str, Any]:
     """JSON data of sensitivities of the modes chosen alone, or of all."""
-    chosen = [one for one in data["modes"] if one["mode"] in modes]
+    chosen = [entry for entry in data["modes"] if entry["mode"] in modes]
     return {**data, "modes": chosen or data["modes"]}
 
 
