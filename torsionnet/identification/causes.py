@@ -85,7 +85,7 @@ class Cause:
         if not self.is_of_channel:
             return self.unknown if self.is_value else self.part or self.element
         return " and ".join(
-            dict.fromkeys(one.driving if self.between else one.measurement.output for one in problem.blocks)
+            dict.fromkeys(block.driving if self.between else block.measurement.output for block in problem.blocks)
         )
 
     @property
@@ -104,7 +104,10 @@ def possible_causes(problem: FitProblem) -> tuple[Cause, ...]:
     over_time = any(isinstance(block, EquationBlock) for block in problem.blocks)  # where a loss factor has no torque
     listed = [*_wrong_value_causes(rigs[0]), *_ratios(rigs[0]), *([] if over_time else _dampings(rigs[0]))]
     listed += (
-        one for block in problem.blocks if isinstance(block, SteppedBlock | EquationBlock) for one in _left_out(block)
+        cause
+        for block in problem.blocks
+        if isinstance(block, SteppedBlock | EquationBlock)
+        for cause in _left_out(block)
     )
     if any(block.line_orders is not None for block in problem.blocks):
         listed += [*_misfires(rigs[0]), *_amplitudes(rigs[0], has_phases=has_phases)]
@@ -167,8 +170,8 @@ def _misfires(rig: AssembledModel) -> Iterator[Cause]:
 def _amplitudes(rig: AssembledModel, *, has_phases: bool) -> Iterator[Cause]:
     """Causes of a misfit by a wrong amplitude or phase of an order of a propeller or another given torque."""
     tables = (".orders.", ".blade_orders.")
-    for name, one in rig.definition.excitations.items():
-        for number in numbers_by_name(name, one) if one.enabled else ():
+    for name, excitation in rig.definition.excitations.items():
+        for number in numbers_by_name(name, excitation) if excitation.enabled else ():
             if any(table in number.name for table in tables) and (has_phases or not number.is_phase):
                 yield Cause("value", number.name)
 
@@ -178,10 +181,14 @@ def _left_out(block: SteppedBlock | EquationBlock) -> Iterator[Cause]:
     curve = block.curve_of_steps if isinstance(block, SteppedBlock) else block.equation
     rig, name = curve.drivetrain, curve.elements[0]
     definition, ends = rig.definition, tuple(rig.definition.elements[name].ports.values())
-    springs = [one.name for one in definition.active if one.kind == "spring" and tuple(one.ports.values()) == ends]
+    springs = [
+        element.name
+        for element in definition.active
+        if element.kind == "spring" and tuple(element.ports.values()) == ends
+    ]
     name = springs[0] if springs else name
-    for one in curve.elements:
-        for _, _, value, _ in definition.elements[one].expressions():
+    for name in curve.elements:
+        for _, _, value, _ in definition.elements[name].expressions():
             yield from (Cause("value", leaf) for leaf in _leaves(value, definition.parameters))
     torque, twist, stiffness = block.typical
     if len(ends) == 2 and f"{name}_friction" not in definition.elements:
@@ -208,7 +215,9 @@ def _loss(element: AnySpring, rig: AssembledModel) -> float:
 
 def _damping(element: AnySpring, rig: AssembledModel) -> float:
     """Viscous damping of a spring and of all dampers in parallel with it, N m s/rad."""
-    return sum(_number(given, rig) for given in (element.damping, *(one.damping for one in _beside(element, rig))))
+    return sum(
+        _number(given, rig) for given in (element.damping, *(damper.damping for damper in _beside(element, rig)))
+    )
 
 
 def _number(given: Any, rig: AssembledModel) -> float:
@@ -218,7 +227,11 @@ def _number(given: Any, rig: AssembledModel) -> float:
 
 def _beside(element: AnySpring, rig: AssembledModel) -> list[Damper]:
     ends = set(element.ports.values())
-    return [one for one in rig.definition.active if isinstance(one, Damper) and set(one.ports.values()) == ends]
+    return [
+        element
+        for element in rig.definition.active
+        if isinstance(element, Damper) and set(element.ports.values()) == ends
+    ]
 
 
 def with_causes(problem: FitProblem, causes: Sequence[Cause], values: FloatArray, *, instead: bool) -> FitProblem:
@@ -237,7 +250,7 @@ def with_causes(problem: FitProblem, causes: Sequence[Cause], values: FloatArray
     gone = {f"{cause.element}.{REPLACED_FIELDS[cause.kind]}" for cause in causes if cause.element and instead}
     flags: dict[str, Any] = {cause.unknown: cause.between or True for cause in causes if cause.is_of_channel}
     unknowns = {
-        **{name: one for name, one in problem.unknowns.items() if name not in gone},
+        **{name: unknown for name, unknown in problem.unknowns.items() if name not in gone},
         **{name: Unknown() for name in more},
     }
     # Geometric mean of all frequencies, where the other damping starts as strong, c omega = k eta.
@@ -314,7 +327,7 @@ def _change(cause: Cause, frequency: float, instead: bool) -> Change:
         elif cause.kind == "hysteretic":
             loss = _damping(element, rig) * omega / k
             elements[cause.element] = HystereticSpring.from_entries(cause.element, **plain, loss_factor=loss)
-            elements |= {one.name: replace(one, enabled=False) for one in _beside(element, rig)}
+            elements |= {damper.name: replace(damper, enabled=False) for damper in _beside(element, rig)}
         else:
             elements[cause.element] = Spring.from_entries(
                 cause.element, **plain, damping=_loss(element, rig) * k / omega
@@ -405,12 +418,16 @@ def fit_causes(
         for cause in causes
         for factor in _factors(problem, cause)
     ]
-    for one in sorted((one for one in tried if one is not None), key=lambda one: one.criterion):
-        best.setdefault(one.cause, one)
+    for cause_fit in sorted(
+        (cause_fit for cause_fit in tried if cause_fit is not None), key=lambda cause_fit: cause_fit.criterion
+    ):
+        best.setdefault(cause_fit.cause, cause_fit)
     # After the rough search the exact one, where the cause may yet explain the misfit.
     most = REFINED_RATIO * (1 - LEAST_MISFIT_REDUCTION) * whole
-    refined = [_refined(one, solve) if one.sum_of_squares <= most else one for one in best.values()]
-    return sorted(refined, key=lambda one: one.criterion)
+    refined = [
+        _refined(cause_fit, solve) if cause_fit.sum_of_squares <= most else cause_fit for cause_fit in best.values()
+    ]
+    return sorted(refined, key=lambda cause_fit: cause_fit.criterion)
 
 
 def starts_of_causes(problem: FitProblem, values: FloatArray) -> list[FloatArray]:
@@ -419,15 +436,15 @@ def starts_of_causes(problem: FitProblem, values: FloatArray) -> list[FloatArray
     return [values] if led else [values, problem.start]
 
 
-def under_own_noise(one: CauseFit, solve: Solve) -> LeastSquaresSolution:
+def under_own_noise(cause_fit: CauseFit, solve: Solve) -> LeastSquaresSolution:
     """Optimum with a cause freed, weighed by the noise that it leaves itself."""
-    one.problem.learn_noise(one.values)
-    return solve(one.problem, one.values)
+    cause_fit.problem.learn_noise(cause_fit.values)
+    return solve(cause_fit.problem, cause_fit.values)
 
 
-def _refined(one: CauseFit, solve: Solve) -> CauseFit:
-    values = solve(one.problem, one.values).x
-    return replace(one, values=values, sum_of_squares=sum_of_squares(one.problem, values))
+def _refined(cause_fit: CauseFit, solve: Solve) -> CauseFit:
+    values = solve(cause_fit.problem, cause_fit.values).x
+    return replace(cause_fit, values=values, sum_of_squares=sum_of_squares(cause_fit.problem, values))
 
 
 def _factors(problem: FitProblem, cause: Cause) -> tuple[float, ...]:
@@ -463,20 +480,24 @@ def explaining_fits(tried: Sequence[CauseFit], whole: float) -> list[CauseFit]:
     whole : float
         Sum of squares with none of the causes freed.
     """
-    sound = [one for one in tried if not one.ended and one.sum_of_squares <= (1 - LEAST_MISFIT_REDUCTION) * whole]
+    sound = [
+        cause_fit
+        for cause_fit in tried
+        if not cause_fit.ended and cause_fit.sum_of_squares <= (1 - LEAST_MISFIT_REDUCTION) * whole
+    ]
     if not sound:
         return []
     least, rounding = sound[0], np.finfo(float).eps * whole
     noise = _noise(least.problem)
 
-    def as_good(one: CauseFit) -> bool:
+    def as_good(cause_fit: CauseFit) -> bool:
         alike = (
-            one.sum_of_squares <= EQUALLY_GOOD_RATIO * least.sum_of_squares
-            and one.misfit <= np.sqrt(EQUALLY_GOOD_RATIO) * least.misfit
+            cause_fit.sum_of_squares <= EQUALLY_GOOD_RATIO * least.sum_of_squares
+            and cause_fit.misfit <= np.sqrt(EQUALLY_GOOD_RATIO) * least.misfit
         )
-        return one is least or alike or one.sum_of_squares <= max(noise, rounding)
+        return cause_fit is least or alike or cause_fit.sum_of_squares <= max(noise, rounding)
 
-    return [one for one in sound if as_good(one)]
+    return [cause_fit for cause_fit in sound if as_good(cause_fit)]
 
 
 def _noise(problem: FitProblem) -> float:

@@ -128,9 +128,9 @@ class _Reader:
 
     def _parameters(self) -> Iterator[tuple[str, Unknown]]:
         for name, given in (self.entries.get("parameters") or {}).items():
-            one: FitParameter = given or FitParameter()
+            entries: FitParameter = given or FitParameter()
             try:
-                yield name, Unknown(one.start, one.bounds, one.prior, one.per_configuration)
+                yield name, Unknown(entries.start, entries.bounds, entries.prior, entries.per_configuration)
             except UsageError as error:
                 self.faults.append(replace(error.fault, path=("parameters", name)))
 
@@ -138,8 +138,8 @@ class _Reader:
         self, model: Drivetrain, parameters: Mapping[str, Unknown], measurements: Sequence[Measurement]
     ) -> None:
         """Note faults of numbers of excitations to be found that there are not, or that the orders do not show."""
-        of_orders = [one for one in measurements if one.has_orders]
-        blind = bool(of_orders) and not any(shows_phases(one) for one in of_orders)
+        of_orders = [measurement for measurement in measurements if measurement.has_orders]
+        blind = bool(of_orders) and not any(shows_phases(measurement) for measurement in of_orders)
         listed = isinstance(self.data.get("parameters"), list)
         for place, name in enumerate(parameters):
             path = ("parameters", place if listed else name)
@@ -165,13 +165,13 @@ class _Reader:
             averaged = data if isinstance(data, Recording) and not given.equations else None
             chosen = None if averaged is None else self._chosen(settings, averaged, given.band)
             try:
-                one = Measurement(data, name=name, settings=chosen, configuration=configuration, **more)
+                measurement = Measurement(data, name=name, settings=chosen, configuration=configuration, **more)
             except UsageError as error:
                 self.faults.append(replace(error.fault, path=path))
                 continue
-            if model is not None and one.has_orders:
-                self.faults += [fault.under("measurements", name) for fault in faults_of_orders(model, one)]
-            yield one
+            if model is not None and measurement.has_orders:
+                self.faults += [fault.under("measurements", name) for fault in faults_of_orders(model, measurement)]
+            yield measurement
 
     def _chosen(self, settings: Welch | None, record: Recording, band: tuple[float, float] | None) -> Welch:
         """Welch settings of one record, by default decimated as far as the band of the measurement allows."""

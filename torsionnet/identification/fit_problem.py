@@ -184,7 +184,7 @@ class FitProblem:
             other = start.copy()
             for index, angles in likely:
                 other[index] = min(
-                    angles, key=lambda one: abs(np.exp(0.5j * one) - np.exp(0.5j * angle)), default=angle
+                    angles, key=lambda likely: abs(np.exp(0.5j * likely) - np.exp(0.5j * angle)), default=angle
                 )
             if not np.array_equal(other, start):
                 starts.append(other)
@@ -269,10 +269,10 @@ def make_problem(
     if len(set(labels)) != len(labels):
         twice = sorted({label for label in labels if labels.count(label) > 1})
         raise UsageError(f"several measurements are called {', '.join(twice)}; give them names", kind="repeated-name")
-    parts = [part for one in measurements for part in parts_by_phase(one)]
-    named = {one.configuration for one in parts}
+    parts = [part for measurement in measurements for part in parts_by_phase(measurement)]
+    named = {part.configuration for part in parts}
     rigs = {name: model.configured(name) if name else model for name in named}
-    blocks = [make_block(rigs[one.configuration], one, tuple(unknowns), form) for one in parts]
+    blocks = [make_block(rigs[part.configuration], part, tuple(unknowns), form) for part in parts]
     if idle := [name for name in unknowns if all(name not in block.response.names for block in blocks)]:
         does = "does" if len(idle) == 1 else "do"
         raise UsageError(
@@ -327,7 +327,7 @@ def lay_out_problem(
     for block, mine in zip(blocks, entries_of_blocks, strict=True):
         entry = f"reference_angle[{block.measurement.label}]"
         if isinstance(block, OrderBlock) and entry in mine and entry not in (known or {}):
-            nearest = reference_angles(block, np.array([entries[one][0] for one in mine]))
+            nearest = reference_angles(block, np.array([entries[name][0] for name in mine]))
             entries[entry] = nearest[0] if nearest else 0.0, entries[entry][1]
     order = {entry: index for index, entry in enumerate(entries)}
     limits = np.array([bounds for _, bounds in entries.values()]).reshape(-1, 2)

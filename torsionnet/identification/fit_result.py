@@ -288,20 +288,22 @@ def dump_fit(fit: FitResult, path: str | os.PathLike[str] | None = None) -> str:
     return text
 
 
-def _saved_curves(one: Compared) -> SavedCurves:
+def _saved_curves(compared: Compared) -> SavedCurves:
     columns: dict[str, Any] = {
-        "frequencies": one.frequencies,
-        "measured_real": one.measured.real,
-        "measured_imag": one.measured.imag,
-        "fitted_real": one.fitted.real,
-        "fitted_imag": one.fitted.imag,
-        "deviation": one.deviation,
+        "frequencies": compared.frequencies,
+        "measured_real": compared.measured.real,
+        "measured_imag": compared.measured.imag,
+        "fitted_real": compared.fitted.real,
+        "fitted_imag": compared.fitted.imag,
+        "deviation": compared.deviation,
     }
-    if one.orders is not None and one.speeds is not None:
-        columns |= {"orders": one.orders, "speeds": one.speeds}
-    if one.times is not None:
-        columns["times"] = one.times
-    return SavedCurves(name=one.name, unit=one.unit, misfit=one.misfit, has_phase=one.has_phase, **columns)
+    if compared.orders is not None and compared.speeds is not None:
+        columns |= {"orders": compared.orders, "speeds": compared.speeds}
+    if compared.times is not None:
+        columns["times"] = compared.times
+    return SavedCurves(
+        name=compared.name, unit=compared.unit, misfit=compared.misfit, has_phase=compared.has_phase, **columns
+    )
 
 
 def read_fit(path: str | os.PathLike[str]) -> FitResult:
@@ -337,36 +339,36 @@ def read_fit(path: str | os.PathLike[str]) -> FitResult:
 def _result(saved: SavedFit) -> FitResult:
     parameters = saved.parameters.items()
     return FitResult(
-        values={name: one.value for name, one in parameters},
-        standard_errors={name: one.standard_error for name, one in parameters},
+        values={name: parameter.value for name, parameter in parameters},
+        standard_errors={name: parameter.standard_error for name, parameter in parameters},
         correlation=np.array(saved.correlation, dtype=float),
         chi_squared=saved.chi_squared,
         degrees_of_freedom=saved.degrees_of_freedom,
         comparisons=tuple(map(_compared, saved.measurements)),
         verdicts=saved.verdicts,
         notes=saved.notes,
-        units={name: one.unit for name, one in parameters},
+        units={name: parameter.unit for name, parameter in parameters},
         title=saved.title,
-        steps={name: one.steps for name, one in parameters if one.steps},
+        steps={name: parameter.steps for name, parameter in parameters if parameter.steps},
     )
 
 
-def _compared(one: SavedCurves) -> Compared:
+def _compared(saved: SavedCurves) -> Compared:
     def both(real: tuple[float, ...], imaginary: tuple[float, ...]) -> ComplexArray:
         return np.array(real, dtype=float) + 1j * np.array(imaginary, dtype=float)
 
     return Compared(
-        one.name,
-        np.array(one.frequencies, dtype=float),
-        both(one.measured_real, one.measured_imag),
-        both(one.fitted_real, one.fitted_imag),
-        np.array(one.deviation, dtype=float),
-        one.misfit,
-        one.unit,
-        one.has_phase,
-        np.array(one.orders, dtype=float) if one.orders else None,
-        np.array(one.speeds, dtype=float) if one.speeds else None,
-        np.array(one.times, dtype=float) if one.times else None,
+        saved.name,
+        np.array(saved.frequencies, dtype=float),
+        both(saved.measured_real, saved.measured_imag),
+        both(saved.fitted_real, saved.fitted_imag),
+        np.array(saved.deviation, dtype=float),
+        saved.misfit,
+        saved.unit,
+        saved.has_phase,
+        np.array(saved.orders, dtype=float) if saved.orders else None,
+        np.array(saved.speeds, dtype=float) if saved.speeds else None,
+        np.array(saved.times, dtype=float) if saved.times else None,
     )
 
 
@@ -401,7 +403,7 @@ def interval_half_width(level: float, error: float, steps: Sequence[Sequence[flo
     1.4
     """
     usual = float(scipy.stats.t.ppf(0.5 + level / 2, freedom)) * error
-    known = sum(float(np.mean(np.square(one))) for one in steps)
+    known = sum(float(np.mean(np.square(errors))) for errors in steps)
     if not np.isfinite(error) or known <= NEGLIGIBLE_VARIANCE_SHARE * error**2:
         return usual
     # The error of the steps is not normal: noise of Student's law about each error that they may make.
@@ -425,5 +427,5 @@ def _errors_of_combinations(steps: Sequence[Sequence[float]]) -> FloatArray:
     ratio = float(scipy.optimize.brentq(lambda x: x ** (len(steps) + 1) - x - 1, 1.0, 2.0))
     places = (np.arange(POSITION_COMBINATIONS)[:, None] + 0.5) * ratio ** -np.arange(1.0, len(steps) + 1) % 1.0
     return np.asarray(
-        np.sum([np.asarray(one)[(places[:, i] * len(one)).astype(int)] for i, one in enumerate(steps)], axis=0)
+        np.sum([np.asarray(errors)[(places[:, i] * len(errors)).astype(int)] for i, errors in enumerate(steps)], axis=0)
     )

@@ -98,7 +98,7 @@ def _equations(problem: FitProblem, values: FloatArray) -> tuple[FloatArray, Flo
     """Equations of motion missed by all measurements that have some, and their deviations by noise."""
     placed = zip(problem.blocks, problem.unknown_indices, strict=True)
     each = [block.equations(values[place]) for block, place in placed if isinstance(block, SteppedBlock)]
-    return np.concatenate([one[0] for one in each]), np.concatenate([one[1] for one in each])
+    return np.concatenate([part[0] for part in each]), np.concatenate([part[1] for part in each])
 
 
 def _missed_equations(problem: FitProblem, values: FloatArray, sizes: FloatArray) -> FloatArray:

@@ -68,8 +68,8 @@ def explanations(problem: FitProblem, values: FloatArray, solve: Solve, errors: 
     if not good:  # the linear estimate may have picked the wrong causes
         others = [cause for cause in possible_causes(problem) if cause not in first]
         good = explaining_fits(fit_causes(problem, others, starts, solve, whole), whole)
-    explained = [_explained(one, one.sum_of_squares / whole, solve, errors) for one in good]
-    return tuple(one for one in explained if one.complete or not explained[0].complete)
+    explained = [_explained(cause_fit, cause_fit.sum_of_squares / whole, solve, errors) for cause_fit in good]
+    return tuple(explanation for explanation in explained if explanation.complete or not explained[0].complete)
 
 
 def _promising(problem: FitProblem, values: FloatArray) -> list[Cause]:
@@ -113,9 +113,9 @@ def _scaled(columns: FloatArray) -> FloatArray:
     return np.asarray(columns / np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny))
 
 
-def _explained(one: CauseFit, left: float, solve: Solve, errors: Errors) -> Explanation:
-    cause, tried = one.cause, one.problem
-    optimum = under_own_noise(one, solve)
+def _explained(cause_fit: CauseFit, left: float, solve: Solve, errors: Errors) -> Explanation:
+    cause, tried = cause_fit.cause, cause_fit.problem
+    optimum = under_own_noise(cause_fit, solve)
     at = optimum.x
     before = tried.start[tried.names.index(cause.unknown)] if cause.is_value else None
     return Explanation(
@@ -125,7 +125,7 @@ def _explained(one: CauseFit, left: float, solve: Solve, errors: Errors) -> Expl
         values=dict(zip(tried.names, at.tolist(), strict=True)),
         standard_errors=errors(tried, optimum),
         before=None if before is None else float(before),
-        complete=not any(one.rejected for one in misfits(tried, at)),
+        complete=not any(misfit.rejected for misfit in misfits(tried, at)),
         left=left,
         between=cause.between,
     )
@@ -135,15 +135,16 @@ def data_remarks(problem: FitProblem) -> tuple[str, ...]:
     """Remarks on records compared where the sensor moves by few of its steps, and on what one harmonic leaves out."""
     remarks = []
     for block in problem.blocks:
-        one = block.measurement
+        measurement = block.measurement
         if isinstance(block, SteppedBlock) and not block.has_harmonics:
             remarks.append("one harmonic of the motion is compared: periodic_response tells whether the others count")
-        if isinstance(one.data, Recording) and not one.equations:
-            steps = resolution(one.data, one.output, one.input)
+        if isinstance(measurement.data, Recording) and not measurement.equations:
+            steps = resolution(measurement.data, measurement.output, measurement.input)
             if steps is not None and steps.enough_up_to < block.frequencies[-1]:
                 limit = f"{steps.enough_up_to:.3g} Hz"
                 remarks.append(
-                    f"{one.output} moves by less than {ENOUGH_STEPS:g} of its steps above {limit}: end the band there"
+                    f"{measurement.output} moves by less than {ENOUGH_STEPS:g} of its steps above {limit}: "
+                    "end the band there"
                 )
     return tuple(dict.fromkeys(remarks))
 
@@ -336,7 +337,11 @@ def _starts_and_reversed(problem: FitProblem, count: int, seed: int) -> list[Flo
     starts += [] if np.array_equal(late, starts[0]) else [late]
     return [
         *starts,
-        *(other for one in starts if (other := problem.start_with_reversed_channels(one)).tobytes() != one.tobytes()),
+        *(
+            other
+            for start in starts
+            if (other := problem.start_with_reversed_channels(start)).tobytes() != start.tobytes()
+        ),
     ]
 
 

@@ -173,7 +173,7 @@ class LackOfFit:
     @property
     def rejected(self) -> Annotated[bool, Out(json="rejected")]:
         """Whether the model does not fit any one measurement, so that its values have no intervals."""
-        return any(one.rejected for one in self.measurements)
+        return any(misfit.rejected for misfit in self.measurements)
 
 
 def misfits(problem: FitProblem, values: FloatArray, weights: FloatArray | None = None) -> tuple[Misfit, ...]:
@@ -273,9 +273,9 @@ def lack_of_fit_sentences(lack: LackOfFit | None) -> Iterator[str]:
     """Sentence on a model that does not fit, with explanation and advice; no sentence if the model fits."""
     if lack is None or not lack.rejected:
         return
-    wrong = [one for one in lack.measurements if one.rejected]
-    where = "" if len(lack.measurements) == 1 else f" {', '.join(one.name for one in wrong)}"
-    worst = max(one.ratio for one in wrong)
+    wrong = [misfit for misfit in lack.measurements if misfit.rejected]
+    where = "" if len(lack.measurements) == 1 else f" {', '.join(misfit.name for misfit in wrong)}"
+    worst = max(misfit.ratio for misfit in wrong)
     says = f"the model does not fit{where}: the residuals are {worst:.2g} times the noise, in a pattern over frequency"
     withheld = "; ".join([INTERVALS_WITHHELD, *lack.data_warnings])
     if not lack.explanations:
@@ -288,14 +288,16 @@ def lack_of_fit_sentences(lack: LackOfFit | None) -> Iterator[str]:
     verb = "would explain it" if best.complete else "would explain most of it"
     explained = [
         f"{_what(best)} {verb}: {_values(best)}",
-        *(f"so would {_what(one)}: {_values(one)}" for one in others),
+        *(f"so would {_what(explanation)}: {_values(explanation)}" for explanation in others),
     ]
     yield f"{says}; {'; '.join(explained[:MOST_EXPLANATIONS_LISTED])}; {ADVICE_BY_CAUSE[best.kind]}. {withheld}"
 
 
-def _what(one: Explanation) -> str:
-    values = [value for name, value in one.values.items() if name.partition("[")[0] == one.unknown]
-    return cause_in_words(one.kind, one.of, sum(values) / max(len(values), 1), one.before, one.between)
+def _what(explanation: Explanation) -> str:
+    values = [value for name, value in explanation.values.items() if name.partition("[")[0] == explanation.unknown]
+    return cause_in_words(
+        explanation.kind, explanation.of, sum(values) / max(len(values), 1), explanation.before, explanation.between
+    )
 
 
 def cause_in_words(kind: str, of: str, value: float, before: float | None, between: str = "") -> str:
@@ -331,11 +333,11 @@ def cause_in_words(kind: str, of: str, value: float, before: float | None, betwe
     return f"{of} = {value:.4g} instead of {before:.4g}"
 
 
-def _values(one: Explanation) -> str:
+def _values(explanation: Explanation) -> str:
     """Text with the values that all other parameters would have if an explanation of a misfit were true."""
     listed = [
-        f"{name} would be {value_with_error(value, one.standard_errors[name])}"
-        for name, value in one.values.items()
-        if name.partition("[")[0] != one.unknown
+        f"{name} would be {value_with_error(value, explanation.standard_errors[name])}"
+        for name, value in explanation.values.items()
+        if name.partition("[")[0] != explanation.unknown
     ]
     return ", ".join(listed) or "nothing else changes"

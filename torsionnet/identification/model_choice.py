@@ -64,7 +64,7 @@ class Choice(SavedResult):
         rows = []
         for name, fit in self.fits.items():
             values = ", ".join(f"{key} = {value:.4g}" for key, value in fit.values.items())
-            misfit = float(np.sqrt(np.mean([one.misfit**2 for one in fit.comparisons])))
+            misfit = float(np.sqrt(np.mean([compared.misfit**2 for compared in fit.comparisons])))
             rows.append((name, values, self.differences[name], misfit))
         return Table("Models by AICc", columns, tuple(rows), (self.verdict,))
 
@@ -97,7 +97,7 @@ def choose_model(candidates: Mapping[str, Candidate], measurements: Measurement 
     if not candidates:
         raise UsageError("name at least one model to choose", kind="missing-entry")
     listed = [measurements] if isinstance(measurements, Measurement) else list(measurements)
-    fits = {name: identify(one.model, listed, one.parameters) for name, one in candidates.items()}
+    fits = {name: identify(candidate.model, listed, candidate.parameters) for name, candidate in candidates.items()}
     closest = min(fits.values(), key=_distance)
     again = {name: refit_with_noise_of(closest, candidates[name].model, fit) for name, fit in fits.items()}
     return Choice(dict(sorted(again.items(), key=lambda item: item[1].aicc)))
@@ -106,6 +106,7 @@ def choose_model(candidates: Mapping[str, Candidate], measurements: Measurement 
 def _distance(fit: Fit) -> float:
     """Sum of squares of relative differences between model and test, over all lines of a fit."""
     ratios = [
-        one.fitted / one.measured if one.has_phase else np.abs(one.fitted / one.measured) for one in fit.comparisons
+        compared.fitted / compared.measured if compared.has_phase else np.abs(compared.fitted / compared.measured)
+        for compared in fit.comparisons
     ]
     return sum(float(np.sum(np.abs(ratio - 1) ** 2)) for ratio in ratios)

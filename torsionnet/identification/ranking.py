@@ -111,7 +111,7 @@ class Ranking(SavedResult):
         """Sentence that names the causes that explain the misfit, or says that no single one does."""
         if not self.misfit:
             return "the model fits but for rounding: there is no misfit to explain"
-        good = [str(one) for one in self.causes if one.explains]
+        good = [str(cause) for cause in self.causes if cause.explains]
         if not good:
             return "no single value explains the misfit"
         return f"only {', or '.join(good)} explains the misfit"
@@ -127,17 +127,17 @@ class Ranking(SavedResult):
             Column("explains it"),
         )
         rows = []
-        for one in self.causes:
-            what = f"{one.kind.replace('_', ' ')} of {one.of}" if one.unknown in CHANNEL_CAUSES else one.unknown
-            what = f"{one.of} between samples" if one.between else what
+        for cause in self.causes:
+            what = f"{cause.kind.replace('_', ' ')} of {cause.of}" if cause.unknown in CHANNEL_CAUSES else cause.unknown
+            what = f"{cause.of} between samples" if cause.between else what
             rows.append(
                 (
                     what,
-                    one.before,
-                    one.between.replace("_", "-") or one.value,
-                    one.factor,
-                    100 * one.misfit,
-                    "yes" if one.explains else "no",
+                    cause.before,
+                    cause.between.replace("_", "-") or cause.value,
+                    cause.factor,
+                    100 * cause.misfit,
+                    "yes" if cause.explains else "no",
                 )
             )
         note = f"misfit {100 * self.misfit:.3g} % (RMS of model minus test over test) with nothing freed"
@@ -194,12 +194,12 @@ def rank_causes(
     whole = sum_of_squares(problem, values)
     tried = fit_causes(problem, possible_causes(problem), starts_of_causes(problem, values), solve, whole)
     misfit = _without_rounding(overall_misfit(problem, values))
-    good = {one.cause for one in explaining_fits(tried, whole)} if misfit else set()
+    good = {cause_fit.cause for cause_fit in explaining_fits(tried, whole)} if misfit else set()
     ranked = [
-        _ranked(replace(one, values=under_own_noise(one, solve).x), whole, explains=True)
-        if one.cause in good
-        else _ranked(one, whole, explains=False)
-        for one in tried
+        _ranked(replace(cause_fit, values=under_own_noise(cause_fit, solve).x), whole, explains=True)
+        if cause_fit.cause in good
+        else _ranked(cause_fit, whole, explains=False)
+        for cause_fit in tried
     ]
     return Ranking(tuple(ranked), misfit)
 
@@ -230,33 +230,35 @@ def _without_rounding(misfit: float) -> float:
     return misfit if misfit > ROUNDED_MISFIT else 0.0
 
 
-def _fits_at_zero(one: CauseFit, places: list[int]) -> bool:
+def _fits_at_zero(cause_fit: CauseFit, places: list[int]) -> bool:
     """Whether a value that is small beside the one in the model, or that it lacks, explains as much as exactly zero."""
-    start, values = one.problem.start[places], one.values.copy()
+    start, values = cause_fit.problem.start[places], cause_fit.values.copy()
     if np.any(np.abs(values[places]) > SMALL_SHARE * np.abs(start)) and np.any(start):
         return False
     values[places] = 0.0
     try:
-        misfit = overall_misfit(one.problem, values)
+        misfit = overall_misfit(cause_fit.problem, values)
     except (TorsionnetError, ArithmeticError):  # as without a stiffness
         return False
-    return bool(misfit <= max(one.misfit * (1 + SAME_MISFIT), ROUNDED_MISFIT))
+    return bool(misfit <= max(cause_fit.misfit * (1 + SAME_MISFIT), ROUNDED_MISFIT))
 
 
-def _ranked(one: CauseFit, whole: float, *, explains: bool) -> RankedCause:
-    mine = [place for place, name in enumerate(one.problem.names) if name.partition("[")[0] == one.cause.unknown]
-    cause, value, begin = one.cause, float("nan"), 0.0
+def _ranked(cause_fit: CauseFit, whole: float, *, explains: bool) -> RankedCause:
+    mine = [
+        place for place, name in enumerate(cause_fit.problem.names) if name.partition("[")[0] == cause_fit.cause.unknown
+    ]
+    cause, value, begin = cause_fit.cause, float("nan"), 0.0
     if mine:
-        value = 0.0 if _fits_at_zero(one, mine) else float(np.mean(one.values[mine]))
-        begin = float(np.mean(one.problem.start[mine]))
+        value = 0.0 if _fits_at_zero(cause_fit, mine) else float(np.mean(cause_fit.values[mine]))
+        begin = float(np.mean(cause_fit.problem.start[mine]))
     return RankedCause(
         kind=cause.kind,
-        of=cause.place(one.problem),
+        of=cause.place(cause_fit.problem),
         unknown=cause.unknown,
         before=begin if cause.is_value else None,
         value=value,
-        misfit=_without_rounding(one.misfit),
-        left=one.sum_of_squares / whole if whole else 0.0,
+        misfit=_without_rounding(cause_fit.misfit),
+        left=cause_fit.sum_of_squares / whole if whole else 0.0,
         explains=explains,
         between=cause.between,
     )

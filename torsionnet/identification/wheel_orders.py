@@ -71,14 +71,14 @@ def calculated_wheel_orders(
             f'the model has no node "{node}" for the wheel; there are {", ".join(drivetrain.nodes)}',
             kind="unknown-node",
         )
-    excitations = {name: one for name, one in drivetrain.definition.excitations.items() if one.enabled}
+    excitations = {name: given for name, given in drivetrain.definition.excitations.items() if given.enabled}
     if not excitations:
         raise UsageError(
             f"{drivetrain.name} has no excitations: what moves the wheel is not known", kind="missing-entry"
         )
     parts = dict(_gas_and_masses(excitations))
     wanted = np.asarray(speeds, dtype=float)
-    runs = {name: _with(drivetrain, {name.removesuffix(_MASSES): one}, node, wanted) for name, one in parts.items()}
+    runs = {name: _with(drivetrain, {name.removesuffix(_MASSES): part}, node, wanted) for name, part in parts.items()}
     orders = np.array(
         sorted(
             {float(line.relative) for run in runs.values() for line in run.lines if line.relative and not line.fixed}
@@ -104,18 +104,18 @@ _MASSES = " masses"
 
 def _gas_and_masses(excitations: dict[str, OrderExcitation]) -> Iterable[tuple[str, OrderExcitation]]:
     """Excitations by name, each engine parted into its gas and its masses."""
-    for name, one in excitations.items():
-        if not isinstance(one, ReciprocatingEngine):
-            yield name, one
+    for name, excitation in excitations.items():
+        if not isinstance(excitation, ReciprocatingEngine):
+            yield name, excitation
             continue
-        if one.misfire == EACH:
+        if excitation.misfire == EACH:
             raise UsageError(
                 f"{name} misfires in each cylinder in turn, and a test in one state: choose a configuration without "
                 "misfire, or name the cylinder",
                 kind="unsupported-law",
             )
-        yield name + _MASSES, replace(one, gas_off=tuple(one.numbers), misfire=(), spread=0.0)
-        yield name, replace(one, reciprocating_mass=0.0, spread=0.0)
+        yield name + _MASSES, replace(excitation, gas_off=tuple(excitation.numbers), misfire=(), spread=0.0)
+        yield name, replace(excitation, reciprocating_mass=0.0, spread=0.0)
 
 
 def _with(

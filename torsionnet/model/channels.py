@@ -523,7 +523,7 @@ class PairEntry(Spec[Pair]):
         )
 
     def renamed(self, value: Any, names: Renaming) -> Any:
-        ends = (_CHANNEL.renamed(one, names) for one in (value.output, value.input, value.excitation))
+        ends = (_CHANNEL.renamed(end, names) for end in (value.output, value.input, value.excitation))
         return Pair(*ends)
 
     def plain(self, value: Any) -> Json:

@@ -240,9 +240,9 @@ def _alike(record: JudgedCritical, other: JudgedCritical | None) -> bool:
     return same_place and all(same_value(*pair) for pair in pairs)
 
 
-def same_value(one: float, other: float) -> bool:
+def same_value(value: float, other: float) -> bool:
     """Whether two values agree within ``SAME_VALUE``."""
-    return bool(abs(one - other) <= SAME_VALUE * abs(other)) or (math.isnan(one) and math.isnan(other))
+    return bool(abs(value - other) <= SAME_VALUE * abs(other)) or (math.isnan(value) and math.isnan(other))
 
 
 def _common(record: JudgedCritical, summed: SummedOrder | None) -> tuple[Cell, ...]:

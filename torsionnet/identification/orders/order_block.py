@@ -136,7 +136,7 @@ class OrderBlock(MeasurementBlock):
     def remark(self) -> str:
         remarks = []
         if self.lines.left_out:
-            orders = comma_list([f"{one:g}" for one in self.lines.left_out])
+            orders = comma_list([f"{order:g}" for order in self.lines.left_out])
             remarks.append(f"has orders that the model does not excite, which are left out: {orders}")
         if not self.lines.has_phase:
             data = self.measurement.data
@@ -154,10 +154,10 @@ class OrderBlock(MeasurementBlock):
         lines = residual if self.parts == 1 else residual[:count] + 1j * residual[count:]
         related = self.known_correlation[:count, :count]
         by_run = [noise_between_lines(lines[run], related[run, run]) for run in self.runs]
-        known = [one for one in by_run if one is not None]
+        known = [noise for noise in by_run if noise is not None]
         if len(known) < len(by_run):
             return None
-        return Noise(np.concatenate([one.ratio for one in known]), sum(one.certainty for one in known))
+        return Noise(np.concatenate([noise.ratio for noise in known]), sum(noise.certainty for noise in known))
 
     def take_measured_noise(self, noise: Noise) -> None:
         self.noise = self.noise * noise.ratio
@@ -352,14 +352,14 @@ def _in_batches(places: Sequence[int], counts: Sequence[int]) -> list[list[int]]
 
 def _joined(several: Sequence[ParametricOrders]) -> ParametricOrders:
     first = several[0]
-    outputs = tuple(dict.fromkeys(output for one in several for output in one.outputs))
-    output_of = [np.full(len(one.orders), outputs.index(one.outputs[0]), dtype=np.intp) for one in several]
+    outputs = tuple(dict.fromkeys(output for orders in several for output in orders.outputs))
+    output_of = [np.full(len(orders.orders), outputs.index(orders.outputs[0]), dtype=np.intp) for orders in several]
     return ParametricOrders(
         first.drivetrain,
         first.names,
         outputs,
-        np.concatenate([one.orders for one in several]),
-        np.concatenate([one.speeds for one in several]),
+        np.concatenate([orders.orders for orders in several]),
+        np.concatenate([orders.speeds for orders in several]),
         np.concatenate(output_of),
         first.speed_of,
     )

@@ -70,7 +70,7 @@ def has_phases(data: OrderData) -> bool:
     """Whether all measured orders have phases against a reference, so that complex amplitudes can be compared."""
     if isinstance(data, TrackedOrders):
         return bool(data.reference)
-    return all(one.values is not None for one in data)
+    return all(order.values is not None for order in data)
 
 
 def shows_phases(measurement: Measurement) -> bool:
@@ -89,15 +89,15 @@ def parts_by_phase(measurement: Measurement) -> tuple[Measurement, ...]:
     if isinstance(data, TrackedOrders):
         if not data.reference or not data.undecided:
             return (measurement,)
-        blind = [one.order for one in data.measured() if one.values is None]
+        blind = [order.order for order in data.measured() if order.values is None]
         seen = np.array([order not in blind for order in data.orders.tolist()])
         parts: list[OrderData] = [_only(data, seen), replace(_only(data, ~seen), reference="")]
     else:
-        parts = [tuple(one for one in data if (one.values is None) == lacks) for lacks in (False, True)]
+        parts = [tuple(order for order in data if (order.values is None) == lacks) for lacks in (False, True)]
     both = all(len(measured_orders(part)) for part in parts)
     measurements = []
     for part, is_blind in zip(parts, (False, True), strict=True):
-        used = tuple(one for one in measurement.orders_used if _among(one, measured_orders(part)))
+        used = tuple(order for order in measurement.orders_used if _among(order, measured_orders(part)))
         if not measured_orders(part) or (measurement.orders_used and not used):
             continue
         measurements.append(
@@ -123,7 +123,7 @@ def _only(data: TrackedOrders, kept: NDArray[np.bool_]) -> TrackedOrders:
 
 def measured_orders(data: OrderData) -> tuple[float, ...]:
     """Orders of a measurement, rising."""
-    orders = data.orders.tolist() if isinstance(data, TrackedOrders) else [one.order for one in data]
+    orders = data.orders.tolist() if isinstance(data, TrackedOrders) else [measured.order for measured in data]
     return tuple(sorted(dict.fromkeys(map(float, orders))))
 
 
@@ -137,9 +137,9 @@ def order_lines(measurement: Measurement, excited: Sequence[float]) -> OrderLine
     """
     faults = order_faults(measurement, excited)
     if faults:
-        raise UsageError("; ".join(f"{measurement.label}: {one.message}" for one in faults), kind=faults[0].kind)
+        raise UsageError("; ".join(f"{measurement.label}: {fault.message}" for fault in faults), kind=faults[0].kind)
     data: OrderData = measurement.data  # type: ignore[assignment]
-    wanted = measurement.orders_used or tuple(one for one in measured_orders(data) if _among(one, excited))
+    wanted = measurement.orders_used or tuple(order for order in measured_orders(data) if _among(order, excited))
     rows = [row for row in _rows(data) if _among(row[0], wanted)]
     orders, speeds, values, widths = (np.concatenate(part) for part in zip(*map(_columns, rows), strict=True))
     kept = _lines_in_bands(measurement, orders, speeds) & np.isfinite(values) & (values != 0)
@@ -153,7 +153,9 @@ def order_lines(measurement: Measurement, excited: Sequence[float]) -> OrderLine
     phases = has_phases(data)
     values = values if phases else np.abs(values).astype(complex)
     deviations, known = _deviations(measurement, orders, values, widths)
-    left_out = () if measurement.orders_used else tuple(one for one in measured_orders(data) if not _among(one, wanted))
+    left_out = (
+        () if measurement.orders_used else tuple(order for order in measured_orders(data) if not _among(order, wanted))
+    )
     return OrderLines(orders, speeds, values, deviations, known, phases, left_out, correlation)
 
 
@@ -161,14 +163,14 @@ def order_faults(measurement: Measurement, excited: Sequence[float]) -> list[Fau
     """Faults of a measurement of orders, each with its entry, all at once."""
     data: OrderData = measurement.data  # type: ignore[assignment]
     there, faults = measured_orders(data), []
-    if missing := [one for one in measurement.orders_used if not _among(one, there)]:
+    if missing := [order for order in measurement.orders_used if not _among(order, there)]:
         text = f"order {_orders(missing)} was not measured; there are {_orders(there)}"
         faults.append(Fault(text, ("orders_used",), kind="unknown-order"))
-    if silent := [one for one in measurement.orders_used if _among(one, there) and not _among(one, excited)]:
+    if silent := [order for order in measurement.orders_used if _among(order, there) and not _among(order, excited)]:
         text = f"the model does not excite order {_orders(silent)}; its orders are {_orders(excited)}"
         text = f"{text}; leave it out, or give the model what excites it"
         faults.append(Fault(text, ("orders_used",), kind="unknown-order"))
-    if not measurement.orders_used and not any(_among(one, excited) for one in there):
+    if not measurement.orders_used and not any(_among(order, excited) for order in there):
         text = f"the model excites none of the measured orders {_orders(there)}; its orders are {_orders(excited)}"
         faults.append(Fault(text, ("orders",), kind="unknown-order"))
     speeds = np.concatenate([_columns(row)[1] for row in _rows(data)])
@@ -198,14 +200,14 @@ def _rows(data: OrderData) -> list[Row]:
         return [(order, data.speeds, values, widths, data.times, within) for order, values, widths, within in every]
     return [
         (
-            one.order,
-            one.speeds,
-            np.asarray(one.amplitude if one.values is None else one.values, dtype=complex),
-            np.full(len(one.speeds), np.nan) if one.half_widths is None else one.half_widths,
-            np.arange(float(len(one.speeds))),
+            measured.order,
+            measured.speeds,
+            np.asarray(measured.amplitude if measured.values is None else measured.values, dtype=complex),
+            np.full(len(measured.speeds), np.nan) if measured.half_widths is None else measured.half_widths,
+            np.arange(float(len(measured.speeds))),
             0.0,
         )
-        for one in data
+        for measured in data
     ]
 
 
@@ -268,11 +270,11 @@ def _deviations(
 
 
 def _among(order: float, known: Sequence[float]) -> bool:
-    return any(same_order(order, one) for one in known)
+    return any(same_order(order, other) for other in known)
 
 
 def _orders(orders: Sequence[float]) -> str:
-    return comma_list([f"{one:g}" for one in orders], none="none")
+    return comma_list([f"{order:g}" for order in orders], none="none")
 
 
 def _speeds_there(speeds: FloatArray) -> str:
@@ -295,7 +297,7 @@ def read_order_data(
         Cells without a number.
     """
     if is_tracked_table(file):
-        channels = {one.name: one for one in read_tracked_orders(file)}
+        channels = {tracked.name: tracked for tracked in read_tracked_orders(file)}
         if output not in channels:
             hint = did_you_mean(output, channels) or f"; there are {', '.join(channels)}"
             raise UsageError(f'{file.name} has no channel "{output}"{hint}', kind="unknown-channel")

@@ -158,7 +158,7 @@ class ParametricOrders:
     @cached_property
     def units(self) -> tuple[str, ...]:
         """SI unit of the amplitudes of each output."""
-        return tuple(one.unit for one in self._responses[0][0].request.outputs)
+        return tuple(output.unit for output in self._responses[0][0].request.outputs)
 
     @cached_property
     def start(self) -> FloatArray:
@@ -177,7 +177,7 @@ class ParametricOrders:
     @cached_property
     def _request(self) -> OrderRequest:
         request = OrderRequest.of(self.drivetrain, np.unique(self.speeds), self.speed_of or None)
-        idle = [one.excitation for one in self._numbers.values() if one.excitation not in request.excitations]
+        idle = [number.excitation for number in self._numbers.values() if number.excitation not in request.excitations]
         if idle:
             raise UsageError(
                 f"{comma_list(dict.fromkeys(idle))} is switched off in this configuration; leave it out",
@@ -284,7 +284,7 @@ def same_order(first: float, second: float) -> bool:
 def _pairs_of(request: OrderRequest, orders: FloatArray, speed: NDArray[np.intp]) -> _Pairs:
     """Pairs of measured and model lines with their frequencies."""
     loads = request.loads(request.speeds)
-    several = [one.name for one in loads.by_excitation if one.torques.alternatives is not None]
+    several = [load.name for load in loads.by_excitation if load.torques.alternatives is not None]
     if several:
         text = f"{comma_list(several)} misfires in each cylinder in turn, which is no single condition"
         raise UsageError(f"{text}; choose a configuration without misfire: each", kind="unsupported-law")
@@ -297,7 +297,7 @@ def _pairs_of(request: OrderRequest, orders: FloatArray, speed: NDArray[np.intp]
         if not lines:
             known = comma_list(sorted({float(line.relative) for line in loads.lines if not line.fixed}), none="none")
             raise UsageError(f"the model does not excite order {order:g}; its orders are {known}", kind="unknown-order")
-        parts += [(int(one), int(speed[one]), line) for one in np.flatnonzero(orders == order) for line in lines]
+        parts += [(int(place), int(speed[place]), line) for place in np.flatnonzero(orders == order) for line in lines]
     measured, at, line = np.array(parts, dtype=np.intp).T
     return _Pairs(measured, at, line, np.asarray(loads.hertz[at, line]))
 
@@ -307,14 +307,16 @@ def _responses(
 ) -> list[tuple[ParametricResponse, NDArray[np.intp], NDArray[np.intp]]]:
     rig, responses = request.drivetrain, []
     inputs: list[Any] = list(request.loads(request.speeds[:1]).inputs)
-    twisted = [one.of for one in inputs if one.quantity == "twist"]
+    twisted = [channel.of for channel in inputs if channel.quantity == "twist"]
     if twisted:
         text = f"an excitation imposes the twist of {comma_list(twisted)}, of which fits have no derivatives"
         raise UsageError(f"{text}; switch that excitation off for the fit", kind="unsupported-law")
     settled = settled_values(request) if rig.definition.following else {}
-    for one, places in drivetrains_at_speeds(rig, request.reference, request.speeds, settled, apart=True):
+    for at_speed, places in drivetrains_at_speeds(rig, request.reference, request.speeds, settled, apart=True):
         mine = np.flatnonzero(np.isin(pairs.speed, places))
         if len(mine):
             frequencies, where = np.unique(np.abs(pairs.hertz[mine]), return_inverse=True)
-            responses.append((parametric_response(one, outputs, inputs, frequencies, structural), mine, where.ravel()))
+            responses.append(
+                (parametric_response(at_speed, outputs, inputs, frequencies, structural), mine, where.ravel())
+            )
     return responses

@@ -136,7 +136,7 @@ def _width(twist: FloatArray, noise: float) -> int:
     width = WIDTHS[0]
     for narrower, wider in pairwise(WIDTHS):
         left = (twist - scipy.signal.savgol_filter(twist, wider, 3)) if wider < len(twist) // PARTS else None
-        if left is None or max(float(np.std(one)) for one in np.array_split(left, PARTS)) > AS_NOISE * noise:
+        if left is None or max(float(np.std(part)) for part in np.array_split(left, PARTS)) > AS_NOISE * noise:
             break
         width = narrower  # with an error by bending a tenth of that of the wider one
     return width
@@ -208,11 +208,11 @@ class EquationBlock(MeasurementBlock):
 
     def predicted(self, values: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         missed, slopes = self._missed(values), np.empty((len(self.places), len(values)))
-        for place, one in enumerate(values):
-            step = DIFFERENCE * (abs(one) or 1.0)
+        for place, value in enumerate(values):
+            step = DIFFERENCE * (abs(value) or 1.0)
             if self._names[place] == "delay":
                 step = 0.1 * self.motion.step
-            ends = [self._missed(np.r_[values[:place], one + move, values[place + 1 :]]) for move in (step, -step)]
+            ends = [self._missed(np.r_[values[:place], value + move, values[place + 1 :]]) for move in (step, -step)]
             slopes[:, place] = (ends[0] - ends[1]) / (2 * step)
         return self.measured + missed, slopes.astype(complex)
 
@@ -231,11 +231,11 @@ class EquationBlock(MeasurementBlock):
 
     def _missed(self, values: FloatArray) -> FloatArray:
         """Torque (n_b,) in N m by which the equation is missed."""
-        numbers, one, extra = values[: len(self.response.names)].tolist(), self.motion, self._channel(values)
+        numbers, motion, extra = values[: len(self.response.names)].tolist(), self.motion, self._channel(values)
         rest = self.equation.rest(numbers)
         late, p = extra.get("delay", 0.0), extra.get("gain", 1.0) * rest.output
-        twist, rate = (self._followed + late * one.rate) / p, (one.rate + late * one.bend) / p
-        laws = self.equation.torque(numbers, twist, rate, one.step)
+        twist, rate = (self._followed + late * motion.rate) / p, (motion.rate + late * motion.bend) / p
+        laws = self.equation.torque(numbers, twist, rate, motion.step)
         return (self._bumped(laws, 0) + self._beside(rest, extra)) * self._scale(rest, extra)
 
     def _scale(self, rest: LinearRest, extra: dict[str, float]) -> float:
@@ -247,9 +247,9 @@ class EquationBlock(MeasurementBlock):
 
     def _beside(self, rest: LinearRest, extra: dict[str, float]) -> FloatArray:
         """Terms (n_b,) in N m of the linear rest and of the torque."""
-        one = self.motion
-        twist = (one.twist + extra.get("delay", 0.0) * one.rate) / (extra.get("gain", 1.0) * rest.output)
-        terms = -rest.drive * self._bumped(one.torque, 1)
+        motion = self.motion
+        twist = (motion.twist + extra.get("delay", 0.0) * motion.rate) / (extra.get("gain", 1.0) * rest.output)
+        terms = -rest.drive * self._bumped(motion.torque, 1)
         for number, factor in enumerate((rest.stiffness, -rest.damping, rest.inertia), 1):
             if factor:
                 terms = terms + factor * self._bumped(twist, number)
@@ -271,11 +271,13 @@ class EquationBlock(MeasurementBlock):
 
     def _noise(self, values: FloatArray) -> FloatArray:
         """Covariance (n_b, n_b) of the equations by the noise of twist and torque, N^2 m^2."""
-        one, rest = self.motion, self.equation.rest(values.tolist())
-        by_twist, by_torque = one.noise
-        shift = max(by_twist, 1e-6 * float(np.ptp(one.twist)))
+        motion, rest = self.motion, self.equation.rest(values.tolist())
+        by_twist, by_torque = motion.noise
+        shift = max(by_twist, 1e-6 * float(np.ptp(motion.twist)))
         ends = [
-            self.equation.torque(values.tolist(), self._followed / rest.output + move, one.rate / rest.output, one.step)
+            self.equation.torque(
+                values.tolist(), self._followed / rest.output + move, motion.rate / rest.output, motion.step
+            )
             for move in (shift, -shift)
         ]
         tangent = (ends[0] - ends[1]) / (2 * shift)
@@ -283,19 +285,23 @@ class EquationBlock(MeasurementBlock):
         weights = (self._under(tangent) + rest.stiffness) * phi - rest.damping * first + rest.inertia * second
         if not self.bumps[3].any():
             # Laws see the smooth twist: neighbours share the noise under its cubics.
-            weights = _through(weights, scipy.signal.savgol_coeffs(one.width, 3))
+            weights = _through(weights, scipy.signal.savgol_coeffs(motion.width, 3))
         # Friction turns when the rate does, which is differenced from the noise, too.
-        move = np.hypot(one.ripple / CLEAR_OF_NOISE, one.turning) + np.finfo(float).tiny ** 0.5
+        move = np.hypot(motion.ripple / CLEAR_OF_NOISE, motion.turning) + np.finfo(float).tiny ** 0.5
         faster, slower = (
-            self.equation.torque(values.tolist(), self._followed / rest.output, one.rate / rest.output + way, one.step)
+            self.equation.torque(
+                values.tolist(), self._followed / rest.output, motion.rate / rest.output + way, motion.step
+            )
             for way in (move, -move)
         )
         slope = (faster - slower) / (2 * move)
-        by_rate = _through(self._under(slope) * phi, scipy.signal.savgol_coeffs(one.rate_width, 3, 1, one.step)[::-1])
+        by_rate = _through(
+            self._under(slope) * phi, scipy.signal.savgol_coeffs(motion.rate_width, 3, 1, motion.step)[::-1]
+        )
         shares = (
             (self._placed(weights) + self._placed(by_rate)) * (by_twist / rest.output),
             self._placed(np.tile(rest.drive * by_torque * phi, (len(weights), 1))),
-            self._placed(self._under(slope * one.turning) * phi),
+            self._placed(self._under(slope * motion.turning) * phi),
         )
         covariance = np.asarray(sum((share @ share.T).toarray() for share in shares))
         least = (1e-9 * float(np.abs(ends[0]).max()) + np.finfo(float).tiny ** 0.5) ** 2
@@ -416,7 +422,9 @@ def _bumps(motion: MeasuredMotion, rest: LinearRest, spring: float) -> tuple[NDA
 def _negligible(motion: MeasuredMotion, rest: LinearRest) -> bool:
     """Whether no mass moves: its torque is rounding."""
     torques = (rest.inertia * motion.bend, rest.damping * motion.rate)
-    return max(float(np.abs(one).max()) for one in torques) <= 1e-9 * max(float(np.abs(motion.torque).max()), 1e-12)
+    return max(float(np.abs(torque).max()) for torque in torques) <= 1e-9 * max(
+        float(np.abs(motion.torque).max()), 1e-12
+    )
 
 
 def _moves_at(motion: MeasuredMotion, places: NDArray[np.intp], m: int) -> NDArray[np.bool_]:

@@ -58,11 +58,11 @@ def _over(law: MotionLaw, twist: FloatArray, rate: FloatArray) -> FloatArray:
     curve, scale = law.curve, float(law.scale)
     if not isinstance(curve, PieceCurve):
         return CurveForce(law).answer_to(twist.ravel(), rate.ravel()).torque.reshape(twist.shape)
-    slopes = [one for one in curve.pieces if isinstance(one, Slope)]
+    slopes = [piece for piece in curve.pieces if isinstance(piece, Slope)]
     ends = [after.lower if after.lower is not None else before.upper for before, after in pairwise(slopes)]
-    piece = np.searchsorted(np.array([float(one) for one in ends]), twist if curve.over == "twist" else rate)
+    piece = np.searchsorted(np.array([float(end) for end in ends]), twist if curve.over == "twist" else rate)
     torque, k, c, side = (
-        np.array([float(getattr(one, name)) for one in slopes])[piece]
+        np.array([float(getattr(slope, name)) for slope in slopes])[piece]
         for name in ("torque", "stiffness", "damping", "side")
     )
     torque = torque + k * twist + c * rate
@@ -86,7 +86,7 @@ def slider_torque(stiffness: float, torque: float, twist: FloatArray) -> FloatAr
 
 def _steady_slider(stiffness: float, torque: float, twist: FloatArray) -> FloatArray:
     """Torque (n, N) in N m of friction behind a spring over a period of each of n steady twists."""
-    return np.stack([SliderForce(stiffness, torque).answer_to(one, None).torque for one in twist])
+    return np.stack([SliderForce(stiffness, torque).answer_to(course, None).torque for course in twist])
 
 
 def stiffness_by_harmonics(
@@ -120,7 +120,7 @@ def stiffness_by_harmonics(
         twists = np.column_stack([amplitudes, of])
         twist = means[:, None] + (twists @ turns).real
         rate = omega[:, None] * ((1j * orders * twists) @ turns).real
-        torque = sum(torque_over_time(*one, twist, rate, _steady_slider) for one in laws)
+        torque = sum(torque_over_time(*law, twist, rate, _steady_slider) for law in laws)
         return np.asarray(2 / PHASES * torque @ turns.conj().T)
 
     def missed(of: ComplexArray) -> FloatArray:

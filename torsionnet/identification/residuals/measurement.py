@@ -164,7 +164,7 @@ class Measurement:
             settle(self, output=self.output or data.name)
         else:
             listed = tuple(data)
-            if not listed or not all(isinstance(one, MeasuredOrder) for one in listed):
+            if not listed or not all(isinstance(order, MeasuredOrder) for order in listed):
                 raise UsageError(
                     "a measurement is a record, a frequency response, tracked orders or MeasuredOrders",
                     kind="wrong-form",

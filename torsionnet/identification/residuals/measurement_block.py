@@ -258,8 +258,12 @@ class MeasurementBlock(ABC):
     @property
     def extra(self) -> tuple[str, ...]:
         """Names of the channel's unknowns (delay, gain, reference angle), which follow the parameters in the values."""
-        one = self.measurement
-        asked = {"delay": one.delay, "gain": one.gain, "reference_angle": one.reference_angle and one.has_orders}
+        measurement = self.measurement
+        asked = {
+            "delay": measurement.delay,
+            "gain": measurement.gain,
+            "reference_angle": measurement.reference_angle and measurement.has_orders,
+        }
         return tuple(name for name, wanted in asked.items() if wanted)
 
     def likely_delay(self, values: FloatArray) -> float:

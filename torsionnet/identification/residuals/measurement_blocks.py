@@ -85,7 +85,7 @@ def memory_demand(record: Recording, settings: Welch, band: tuple[float, float])
 def total_memory(demands: Iterable[MemoryDemand]) -> float:
     """Peak memory in bytes for all records of a fit, which are processed one after the other."""
     listed = list(demands)
-    return sum(one.kept for one in listed) + max((one.passing for one in listed), default=0.0)
+    return sum(demand.kept for demand in listed) + max((demand.passing for demand in listed), default=0.0)
 
 
 def check_memory(label: str, record: Recording, settings: Welch, band: tuple[float, float]) -> None:

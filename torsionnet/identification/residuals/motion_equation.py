@@ -112,7 +112,10 @@ class MotionEquation:
         stiffness = float(kappa[0].real + inertia * omega[0] ** 2)
         g, p = beside.of_twist * kappa, beside.output_by_torque * kappa
         rest = np.asarray(stiffness + 1j * omega * damping - omega**2 * inertia, dtype=np.complex128)
-        even = (_apart(rest, kappa), *(_apart(np.full(3, one[0].real), one) for one in (p, g)[: 1 + self.drives]))
+        even = (
+            _apart(rest, kappa),
+            *(_apart(np.full(3, coefficient[0].real), coefficient) for coefficient in (p, g)[: 1 + self.drives]),
+        )
         if max(even) > ONE_MASS:
             what = ", ".join(self.elements)
             text = f"beside {what} more than one mass moves, or the output is no multiple of the twist of {what}"
@@ -138,11 +141,11 @@ class MotionEquation:
 
         total = np.zeros(len(twist))
         try:
-            given = {name: float(one) for name, one in self.unknowns.values(list(numbers)).items()}
+            given = {name: float(number) for name, number in self.unknowns.values(list(numbers)).items()}
             value = Values(given, FLOAT)
             for name in self.elements:
-                one = laws_of(self.unknowns.definition.elements[name], value)
-                total += np.sum(share * torque_over_time(*one, twists, rates, slider), axis=0)
+                laws = laws_of(self.unknowns.definition.elements[name], value)
+                total += np.sum(share * torque_over_time(*laws, twists, rates, slider), axis=0)
         except (ZeroDivisionError, OverflowError, ExpressionError) as error:
             raise SolveError(f"the laws of {', '.join(self.elements)}: {error}", kind="no-solution") from None
         return total
@@ -151,7 +154,9 @@ class MotionEquation:
     def remembers(self) -> bool:
         """Whether a law depends on what went before: friction behind a spring."""
         elements = [self.unknowns.definition.elements[name] for name in self.elements]
-        return any(one.kind == "friction" and getattr(one, "stiffness", None) is not None for one in elements)
+        return any(
+            element.kind == "friction" and getattr(element, "stiffness", None) is not None for element in elements
+        )
 
 
 def _apart(supposed: FloatArray | ComplexArray, expected: ComplexArray) -> float:
@@ -181,7 +186,7 @@ def motion_equation(
     if sensor is not None and sensor.quantity == "torque" and sensor.of in elements:
         return MotionEquation(rig, varied, (sensor.of,), None, row, 0.0, drives=True)
     value, sizes = Values(dict(rig.exact_values), FLOAT), (*motion[:1], 0.0, 2 * np.pi * motion[1])
-    at = tuple(np.array([one]) for one in sizes)
+    at = tuple(np.array([size]) for size in sizes)
     each = [stiffness_over_twists(*laws_of(rig.definition.elements[name], value), *at)[0] for name in elements]
     spring = float(np.abs(sum(each))) or 1.0
     linear_rig, held = linear_beside(varied, rig, elements, row, spring)

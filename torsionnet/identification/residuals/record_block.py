@@ -116,7 +116,7 @@ class RecordBlock(MeasurementBlock):
         if not self.windowed.suddenly and self.course is not None:
             G, _ = self._distorted(values, self.windowed.fine)
             sudden = self.windowed.begun_suddenly(self.course)
-            left, before = (one.unexplained(G)[self.kept].sum() for one in (sudden, self.windowed))
+            left, before = (block.unexplained(G)[self.kept].sum() for block in (sudden, self.windowed))
             if left < CLEARLY_LESS * before:
                 self.windowed = sudden
 

@@ -81,10 +81,10 @@ class SteppedBlock(ResponseBlock):
         count = len(self.frequencies)
         lines = residual if self.parts == 1 else residual[:count] + 1j * residual[count:]
         by_run = [noise_between_lines(lines[run], np.eye(run.stop - run.start)) for run in self.runs]
-        if any(one is None for one in by_run):
+        if any(noise is None for noise in by_run):
             return None
-        known = [one for one in by_run if one is not None]
-        return Noise(np.concatenate([one.ratio for one in known]), sum(one.certainty for one in known))
+        known = [noise for noise in by_run if noise is not None]
+        return Noise(np.concatenate([noise.ratio for noise in known]), sum(noise.certainty for noise in known))
 
     def equations(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Equations of motion missed at the motion measured, and their deviations by noise."""

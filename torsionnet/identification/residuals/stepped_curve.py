@@ -128,7 +128,7 @@ class SteppedCurve:
         SolveError
             They are not finite there.
         """
-        numbers = [float(one) for one in values]
+        numbers = [float(number) for number in values]
         beside = self._beside(numbers)
         gamma = self._twists(numbers, beside)
         size = np.abs(gamma)
@@ -159,7 +159,7 @@ class SteppedCurve:
 
     def twists(self, values: Sequence[float] | FloatArray) -> ComplexArray:
         """First harmonics (n,) in rad of the twist of the element at the steps, of the branches nearest to the test."""
-        numbers = [float(one) for one in values]
+        numbers = [float(number) for number in values]
         return self._twists(numbers, self._beside(numbers))
 
     def unbalanced(self, values: Sequence[float] | FloatArray) -> tuple[ComplexArray, FloatArray]:
@@ -168,7 +168,7 @@ class SteppedCurve:
         The second is in N m of torque over the unit of output over torque. Nothing is solved for: it is smooth in the
         parameters wherever the motions of the model are.
         """
-        numbers = [float(one) for one in values]
+        numbers = [float(number) for number in values]
         beside = self._beside(numbers)
         gamma, tau = self._measured_twist(beside)
         K, size = self._stiffness(numbers, np.abs(gamma)), np.abs(gamma)
@@ -180,8 +180,8 @@ class SteppedCurve:
         """Curve that takes along what harmonics change at values of the unknowns; itself where they are not known."""
         if self.at_harmonics is None:
             return self
-        numbers = [float(one) for one in values]
-        weights = np.array([float(one) for one in self.row.values()])
+        numbers = [float(number) for number in values]
+        weights = np.array([float(weight) for weight in self.row.values()])
         by_torque = self.at_harmonics.evaluation(numbers).values[:, 1, 1:] @ weights
         laws, sizes = self._laws(tuple(numbers)), (np.abs(self.twists(numbers)), self.mean_twists, self.omega)
         receptances = by_torque.reshape(-1, len(self.torques)).T
@@ -235,7 +235,7 @@ class SteppedCurve:
         """Complex stiffness K (n,) of the laws of the element at the steps."""
         try:
             at = (amplitudes, self.mean_twists, self.omega)
-            of_laws = sum(stiffness_over_twists(*one, *at) for one in self._laws(tuple(numbers)))
+            of_laws = sum(stiffness_over_twists(*law, *at) for law in self._laws(tuple(numbers)))
             return np.asarray(of_laws + self.beyond)
         except (ZeroDivisionError, OverflowError, ExpressionError) as error:
             raise SolveError(f"the laws of {', '.join(self.elements)}: {error}", kind="no-solution") from None
@@ -245,7 +245,7 @@ class SteppedCurve:
         if numbers not in self._known:
             if len(self._known) >= MOST_KEPT:
                 self._known.clear()
-            given = {name: float(one) for name, one in self.unknowns.values(numbers).items()}
+            given = {name: float(number) for name, number in self.unknowns.values(numbers).items()}
             value, elements = Values(given, FLOAT), self.unknowns.definition.elements
             self._known[numbers] = tuple(laws_of(elements[name], value) for name in self.elements)
         return self._known[numbers]
@@ -295,7 +295,7 @@ class Beside:
 def beside_of(linear: ParametricResponse, row: Row, numbers: Sequence[float]) -> Beside:
     """Receptances of what is linear, under the torque that drives or the one that is measured, with derivatives."""
     evaluation = linear.evaluation(numbers)
-    weights = np.array([float(one) for one in row.values()])
+    weights = np.array([float(weight) for weight in row.values()])
     driven, slopes = evaluation.values[:, :, 0], evaluation.jacobian[:, :, 0]
     between, between_slopes = (
         evaluation.values[:, :, 1:] @ weights,
@@ -413,23 +413,25 @@ def on_one_twist(rig: AssembledModel) -> tuple[tuple[str, ...], Row]:
     value = Values(dict(rig.exact_values), FLOAT)
     active = rig.definition.switched_on
     # A linear spring is a law, too, and perhaps the wrong one.
-    moving = [one for one in active if _moves(one, value)] or [one for one in active if one.kind == "spring"]
+    moving = [element for element in active if _moves(element, value)] or [
+        element for element in active if element.kind == "spring"
+    ]
     if not moving:
         text = "steps at several amplitudes tell of laws of motion and springs, and the model has none"
         raise UsageError(text, kind="no-effect")
-    rows = [one.twist(value) for one in moving]
+    rows = [element.twist(value) for element in moving]
     if any(row != rows[0] for row in rows[1:]):
-        names = ", ".join(one.name for one in moving)
+        names = ", ".join(element.name for element in moving)
         text = f"{names} have laws of motion on several twists, which one output does not tell apart"
         raise UsageError(
             f"{text}; lock one, or measure the torque and the twist of one element", kind="unsupported-law"
         )
-    return tuple(one.name for one in moving), rows[0]
+    return tuple(element.name for element in moving), rows[0]
 
 
 def names_of_laws(varied: Unknowns, elements: Sequence[str]) -> tuple[str, ...]:
     """Names of the unknowns that elements with laws of motion have."""
-    given = [one for name in elements for one in varied.definition.elements[name].expressions()]
+    given = [entry for name in elements for entry in varied.definition.elements[name].expressions()]
     used = {name for _, _, expression, _ in given for name in expression.names}
     return tuple(name for name, parameter in zip(varied.names, varied.parameters, strict=True) if parameter in used)
 
@@ -437,7 +439,7 @@ def names_of_laws(varied: Unknowns, elements: Sequence[str]) -> tuple[str, ...]:
 def springs_of_sliders(varied: Unknowns, elements: Sequence[str], values: FloatArray) -> dict[str, float]:
     """Twist in rad at which a slider begins to slip, by the name of the unknown that its spring is."""
     limits: dict[str, float] = {}
-    value = Values({name: float(one) for name, one in varied.values(values.tolist()).items()}, FLOAT)
+    value = Values({name: float(number) for name, number in varied.values(values.tolist()).items()}, FLOAT)
     for element, parts, _ in (laws_of(varied.definition.elements[name], value) for name in elements):
         spring = getattr(element, "stiffness", None)
         if element.kind == "friction" and spring is not None:

@@ -139,9 +139,9 @@ class SegmentRows:
             # Windows some steps apart have white noise in common only where they overlap.
             late, early = pieces[:, lag * step :], pieces[:, : length - lag * step]
             first, second = self.weights[: len(self.weights) - lag].T, self.weights[lag:]
-            one = (late @ early.conj().T) * (first @ second.conj())
+            product = (late @ early.conj().T) * (first @ second.conj())
             other = (late @ early.T) * (first @ second)
-            conjugate += one + one.conj().T if lag else one
+            conjugate += product + product.conj().T if lag else product
             plain += other + other.T if lag else other
         return _parts_covariance(conjugate, plain)
 

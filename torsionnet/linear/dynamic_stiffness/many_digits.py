@@ -66,7 +66,8 @@ class ManyDigits:
                 solved[reading][excitations[place]] = quantity
         solved, torques = self._closed(solved, s) if self.actions else (solved, [])
         readings = [
-            [_factor(one, kappa, s) * motion for motion in solved[one.solved]] for one in self.reading_problem.readings
+            [_factor(term, kappa, s) * motion for motion in solved[term.solved]]
+            for term in self.reading_problem.readings
         ]
         # The torque read at an element has that of its own actions in it.
         for values, driven in zip(readings, self.reading_problem.driven, strict=True):

@@ -157,7 +157,7 @@ def make_reading_problem(
         for column, channel in enumerate(excitations):
             applied[place, column] = float(reading.direct(channel.row)) if channel.quantity == "torque" else 0.0
     # Reactions on gaps stand behind the motions of the solution.
-    solved = [one if one.term else one._replace(solved=len(rows.rows) + one.solved) for one in solved]
+    solved = [part if part.term else part._replace(solved=len(rows.rows) + part.solved) for part in solved]
     driven = tuple(reading.actions for reading in readings)
     return ReadingProblem(problem, tuple(solved), tuple(terms), applied, sensed, driven)
 

@@ -121,6 +121,8 @@ def _output_row(
             OrderOverSpeed(line.excitation, line.order, line.fixed, float(line.relative), values.real, values.imag)
             for line, values in orders
         ),
-        tuple(OrderSumOverSpeed(one.name, one.fixed, one.order, values.real, values.imag) for one, values in sums),
+        tuple(
+            OrderSumOverSpeed(total.name, total.fixed, total.order, values.real, values.imag) for total, values in sums
+        ),
         None if measured is None else compared_orders(run, channel.name, measured, swept),
     )  # fmt: skip

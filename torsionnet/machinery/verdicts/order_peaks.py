@@ -200,9 +200,9 @@ def _reach(critical: CriticalSpeed, crossings: Sequence[CriticalSpeed]) -> tuple
     return low, high
 
 
-def _is_of(one: object, other: object) -> bool:
+def _is_of(line: object, other: object) -> bool:
     """Whether two order lines or critical speeds have the same excitation, order and fixed frequency."""
-    return all(getattr(one, name) == getattr(other, name) for name in ("excitation", "order", "fixed"))
+    return all(getattr(line, name) == getattr(other, name) for name in ("excitation", "order", "fixed"))
 
 
 # Peaks that matter for limits: with little damping, and in conditions that differ from the normal one.

@@ -51,8 +51,8 @@ def undefined_or_unused_parameters(definition: Definition) -> list[Fault]:
         (("parameters", name), parameter.value) for name, parameter in definition.parameters.items()
     ]
     for table in ("elements", "scenarios"):
-        for name, one in getattr(definition, table).items():
-            expressions += [((table, name, *path), expression) for path, _, expression, _ in one.expressions()]
+        for name, owner in getattr(definition, table).items():
+            expressions += [((table, name, *path), expression) for path, _, expression, _ in owner.expressions()]
     for axis, alternatives in definition.configurations.items():
         for label, overlay in alternatives.items():
             path: EntryPath = ("configurations", axis, label)
