@@ -19,6 +19,10 @@ excitations: {shaker: {type: harmonic, node: a, orders: {1: {amplitude: 40 N*m}}
 """
 SHAKER = "shaker: {type: harmonic, node: a, orders: {1: {amplitude: 40 N*m}}}"
 OTHER = SHAKER + ", other: {type: harmonic, node: a, orders: {1.4142135: {amplitude: 5 N*m}}}"
+MISFIRE = (
+    "shaker: {type: reciprocating_engine, speed_of: a, cycle: 2, cylinders: {1: a}, firing_order: [1], bore: 80 mm, stroke: 90 mm, "
+    "rod_length: 150 mm, gas: {harmonics: {1: {amplitude: 1 bar, phase: 0 deg}}, motored_harmonics: {1: {amplitude: 0.5 bar, phase: 0 deg}}}, misfire: each}"
+)
 HERTZ = 'shaker: {type: harmonic, node: a, frequencies: {"37 Hz": {amplitude: 40 N*m}}}'
 
 
@@ -27,6 +31,7 @@ HERTZ = 'shaker: {type: harmonic, node: a, frequencies: {"37 Hz": {amplitude: 40
     [
         ("clearance, nodes: [a, b], gap: 2 deg", "spring, nodes: [a, b]", "no-effect", "no laws of motion"),
         (SHAKER, HERTZ, "no-period", "shaker 37 Hz"),
+        (SHAKER, MISFIRE, "no-period", "say which cylinder misfires"),
         (SHAKER, OTHER, "no-period", "1.4142135"),
         ("b: -25 N*m", "b: -20 N*m", "unbalanced-torques", "5 N*m"),
         ("speeds: {of: a, range: 2400..3000 rpm, step: 300 rpm}\n", "", "missing-entry", "speeds"),

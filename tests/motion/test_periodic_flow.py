@@ -55,6 +55,23 @@ def test_contact_that_damps_and_never_pulls():
 
 
 @pytest.mark.nightly
+def test_contact_beside_a_delay():
+    """Ends of the two motions that are met, stepped from twelve states by Runge and Kutta with 0.003 s behind."""
+    elements = [
+        tn.Inertia("wheel", node="a", inertia=0.05),
+        tn.Clearance("gap", nodes=("a", "b"), gap="1.2 deg", stiffness=5200, damping=1.4),
+        tn.Inertia("car", node="b", inertia=0.3),
+        tn.Spring("hold", nodes=("b", "ground"), stiffness=900, damping=1.1),
+        tn.Controller("brake", sense={"velocity": "a"}, act="a", law=-0.4, delay=0.003),
+    ]
+    found = tn.Drivetrain("delayed contact", elements).periodic_response(
+        "twist(gap)", frequencies=[42, 44], excitation={"a": {0: 9, 1: 13}}, subharmonics=2
+    )
+    ends = [(one.periods, float(one.lowest[0]), float(one.highest[0])) for one in found.stable_at(42)]
+    np.testing.assert_allclose(sorted(ends), [(1, -0.030434, 0.035545), (2, -0.002438, 0.017866)], atol=1e-5)
+
+
+@pytest.mark.nightly
 def test_teeth_with_a_ratio_and_two_harmonics():
     elements = [
         tn.Inertia("pinion", node="a", inertia=0.02),
@@ -89,6 +106,79 @@ def test_friction_behind_a_spring_between_two_masses():
     for motion in found.motions_at(15):
         flow = Flow(np.diag([0.11, 0.06]), np.diag([0.25, 0.2]), np.diag([520, 330]), [slider], loads, 15)
         _agrees(found, motion, flow, "ab", (1, -1))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("share", [0.75, 1.5])
+def test_rigid_friction_that_never_sticks_is_that_of_den_hartog(share):
+    """Amplitude P/k sqrt(V^2 - (F U/P)^2), J. P. Den Hartog, Transactions of the ASME 53, 1931; 4 F/pi is its order 1."""
+    elements = [
+        tn.Inertia("mass", node="x", inertia=0.05),
+        tn.Spring("spring", nodes=("x", "ground"), stiffness=200),
+        tn.Friction("rub", nodes=("x", "ground"), torque=2),
+    ]
+    at = share * np.sqrt(200 / 0.05) / (2 * pi)
+    found = tn.Drivetrain("rubbing", elements).periodic_response(
+        ["x", "torque(rub)"], frequencies=[at], excitation={"x": 5}
+    )
+    (motion,) = found.motions_at(at)
+    V, U = 1 / (1 - share**2), np.sin(pi / share) / (share * (1 + np.cos(pi / share)))
+    assert abs(float(motion.highest[0]) / (5 / 200 * np.sqrt(V**2 - (2 / 5 * U) ** 2)) - 1) < 1e-9
+    assert abs(abs(motion.amplitudes[1, 1]) - 8 / pi) < 1e-7
+    assert motion.is_stable
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("drive", [5, 3])
+def test_friction_over_the_slip_comes_back_as_stepped(drive):
+    """Torque of 2, 3 and 4 N m at slips of 0, 5 and 20 rad/s: 5 N m pass through rest, 3 N m stick for a while."""
+    from scipy.integrate import solve_ivp
+
+    rows = [(0, 2), (5, 3), (20, 4)]
+    elements = [
+        tn.Inertia("mass", node="x", inertia=0.05),
+        tn.Spring("spring", nodes=("x", "ground"), stiffness=200, damping=0.15),
+        tn.Friction("rub", nodes=("x", "ground"), torque_over_slip=rows),
+    ]
+    (motion,) = (
+        tn.Drivetrain("rubbing", elements).periodic_response("x", frequencies=[10], excitation={"x": drive}).motions
+    )
+    start = np.array([motion.angles["x"], motion.speeds["x"]])
+    y, t, tops, slips, most = start, 0.0, [], *np.array(rows, dtype=float).T
+
+    def pushes(t: float, y: np.ndarray) -> float:
+        return float(drive * np.cos(20 * pi * t) - 200 * y[0] - 0.15 * y[1])
+
+    def rates(t: float, y: np.ndarray) -> list[float]:
+        return [y[1], (pushes(t, y) - way * np.interp(abs(y[1]), slips, most)) / 0.05]
+
+    def rests(_: float, y: np.ndarray) -> float:
+        return float(y[1])
+
+    def lets_go(t: float, y: np.ndarray) -> float:
+        return abs(pushes(t, y)) - most[0]
+
+    while t < 0.1:
+        way = np.sign(y[1]) or np.sign(pushes(t, y))
+        sticks = not y[1] and abs(pushes(t, y)) < most[0]
+        event = lets_go if sticks else rests
+        event.terminal, event.direction = True, 1 if sticks else -way
+        solution = solve_ivp(
+            (lambda *_: [0.0, 0.0]) if sticks else rates,
+            (t, 0.1),
+            y,
+            events=event,
+            rtol=1e-10,
+            atol=1e-12,
+            max_step=1e-3,
+        )
+        t, y = float(solution.t[-1]), solution.y[:, -1]
+        if solution.status == 1:
+            y[1] = 0.0
+            tops.append(y[0])
+    np.testing.assert_allclose(y, start, atol=1e-7 * np.abs(start).max())
+    assert abs(np.ptp(tops) - (motion.highest[0] - motion.lowest[0])) < 1e-8
+    assert motion.is_stable
 
 
 def _cubic_mass(damping: float) -> tn.Drivetrain:

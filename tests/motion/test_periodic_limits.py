@@ -210,6 +210,22 @@ def test_orders_without_a_short_period_in_common_are_refused():
         rig.periodic_response("a", speeds=[9.0], speed_of="a")
 
 
+@pytest.mark.parametrize(
+    ("friction", "said"),
+    [
+        ({"torque": 2, "stick": 3}, "as it lets go"),
+        ({"torque_over_slip": [(0, 3), (5, 2), (20, 2)]}, "falls with the motion"),
+        ({"torque": 2, "stick": 3, "stiffness": 300}, "sticks with more than it slips"),
+        ({"torque_over_slip": [(0, 2), (5, 3)], "stiffness": 300}, "changes with the slip"),
+    ],
+)
+def test_friction_without_one_torque_is_refused(friction, said):
+    mass, spring, _ = rubbing_mass().elements.values()
+    rub = tn.Friction("rub", nodes=("x", "ground"), **friction)
+    with pytest.raises(UsageError, match=rf"(?s)rub: .*{said}.*use simulate.*unsupported-law"):
+        tn.Drivetrain("rubbing", [mass, spring, rub]).periodic_response("x", frequencies=[10], excitation={"x": 5})
+
+
 def test_loads_that_follow_the_mean_speed_are_refused():
     fan = tn.Propeller("fan", node="a", inertia=0.1, exponent=2, torque="10 N*m", speed="30 rad/s")
     elements = [

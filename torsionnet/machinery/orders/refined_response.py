@@ -103,11 +103,6 @@ class ExaminedSpeeds:
         """Lowest and highest speed of the reference shaft that is examined, in rad/s."""
         return float(self.request.speeds.min()), float(self.request.speeds.max())
 
-    @property
-    def to_peaks(self) -> bool:
-        """Whether speeds are added until peaks between them are known, which only a linear response asks for."""
-        return self.refine and not self.periodic
-
     def response(
         self, drivetrain: AssembledModel, output: Channels, speeds: FloatArray, excitation: Iterable[str] | None
     ) -> OrderResponse:
@@ -205,7 +200,7 @@ def order_response(
         # Sums of lines of one frequency peak at other speeds than their parts.
         return _Sized(run, run.half_range, np.concatenate([run.sizes, summed_sizes(run)], axis=1))
 
-    if not examined.to_peaks:
+    if examined.periodic or not examined.refine:
         return examined.response(drivetrain, output, examined.request.speeds, acting)
     return refine_speeds(at(examined.first(np.empty(0))), _wanted, lambda known, more: known.with_more(at(more))).run
 

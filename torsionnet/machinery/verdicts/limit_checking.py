@@ -338,7 +338,7 @@ class _Examination:
 
     def resolved(self, curves: _Examined) -> _Examined:
         """Curves at further speeds, so many that peaks and ends of ranges are known, if that is asked for."""
-        return refine_speeds(curves, self.wanted, self.with_more) if self.speeds.to_peaks else curves
+        return refine_speeds(curves, self.wanted, self.with_more) if self.speeds.refine else curves
 
     def verdicts(self, curves: _Examined) -> tuple[LimitVerdict, ...]:
         """Verdicts of all limits on their curves, each by itself."""
@@ -370,6 +370,8 @@ class _Examination:
 
     def with_more(self, curves: _Examined, speeds: FloatArray) -> _Examined:
         """Responses and limit curves at the speeds known so far and at further ``speeds`` in rad/s, sorted by speed."""
+        if self.speeds.periodic:  # all together along the same branches
+            return self.at(np.union1d(curves.run.speeds, speeds))
         more = self.at(speeds)
         run, order = merged_responses(curves.run, more.run)
         means = {

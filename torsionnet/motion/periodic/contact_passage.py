@@ -132,7 +132,8 @@ class ContactMarch:
             torque = float(self._torque(motion, number)[0])
             phase = law.phases[hold]
             way = int(torque >= phase.high * (1 - SLIPPING)) - int(torque <= phase.low * (1 - SLIPPING))
-            places[number] = law.of_piece(phase.place + way)
+            if np.sign(law.phases[places[number]].place - phase.place) != way:
+                places[number] = law.of_piece(phase.place + way)
         return tuple(places)
 
     def _torque(self, motion: PeriodicMotion, law: int) -> FloatArray:
@@ -329,14 +330,24 @@ class ContactMarch:
     def _turned(self) -> list[int]:
         return [self.at.q.start + pivot for pivot, _ in self.states.plant.turning]
 
-    def read(self, passage: Passage, readings: Sequence[Functional], points: int) -> FloatArray:
-        """Readings (n_out, n) of a period in SI units, at points in every look and at all corners."""
-        return np.vstack(list(self._stretches_read(passage, readings, points))).T
-
     def extremes(self, passage: Passage, readings: Sequence[Functional], points: int) -> tuple[FloatArray, FloatArray]:
         """Lowest and highest values (n_out,) of readings over a period, from parabolas through their points."""
         tops = [[-_tops(-values), _tops(values)] for values in self._stretches_read(passage, readings, points)]
         return np.min([low for low, _ in tops], axis=0), np.max([high for _, high in tops], axis=0)
+
+    def harmonics(self, passage: Passage, readings: Sequence[Functional], points: int, count: int) -> ComplexArray:
+        """One-sided harmonics (count + 1, n_out) of readings, the mean first, by Simpson's rule along every stretch."""
+        k = np.arange(count + 1)[:, None]
+        total = np.zeros((count + 1, len(readings)), dtype=complex)
+        stretches = zip(passage.stretches, self._stretches_read(passage, readings, points), strict=True)
+        for stretch, values in stretches:
+            times = stretch.time + np.linspace(0.0, stretch.length, len(values))
+            weights = np.full(len(values), stretch.length / (3 * (len(values) - 1)))
+            weights[1:-1:2] *= 4
+            weights[2:-1:2] *= 2
+            total += 2 / self.period * (weights * np.exp(-2j * math.pi * k * times / self.period)) @ values
+        total[0] /= 2
+        return total
 
     def _stretches_read(self, passage: Passage, readings: Sequence[Functional], points: int) -> Iterator[FloatArray]:
         """Yield readings (n, n_out) of every stretch, its two ends included."""
@@ -344,7 +355,7 @@ class ContactMarch:
         for stretch in passage.stretches:
             form = self.states.form(stretch.contact)
             rows = reading_rows(self.states.plant, readings, self.problem.plant.inputs, form, self.at, plan)
-            count = max(2, math.ceil(points * stretch.length / self.period))
+            count = 2 * max(1, math.ceil(points * stretch.length / (2 * self.period)))
             step = np.asarray(scipy.linalg.expm(form.A * (stretch.length / count)))
             z = [stretch.z]
             for _ in range(count):

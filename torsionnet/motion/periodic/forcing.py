@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from torsionnet.base.errors import UsageError
+from torsionnet.base.errors import UsageError, named_list
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.dynamic_stiffness.transfer_request import resolve_inputs
@@ -20,6 +20,7 @@ from torsionnet.machinery.orders.order_line import has_unknown_angles
 from torsionnet.machinery.orders.order_solution import OrderRequest
 from torsionnet.model.channels import Input
 from torsionnet.motion.driving import acting_means
+from torsionnet.motion.motion_plant import placed_plant
 from torsionnet.motion.periodic.periodic_problem import PeriodicDrive
 from torsionnet.motion.steady_start import nodes_of
 
@@ -80,7 +81,8 @@ def over_frequency(drivetrain: AssembledModel, frequencies: Any, torques: Torque
     loads[0, len(given) :] = list(means.values())
     if not np.abs(loads[1:]).any():
         raise UsageError("no torque vibrates: give an amplitude at harmonic 1 or above", kind="no-effect")
-    inputs = resolve_inputs(drivetrain, [*given, *means], None).excitations
+    # laws in full, since friction that sticks in linear results would lock the node of a torque
+    inputs = resolve_inputs(placed_plant(drivetrain).drivetrain, [*given, *means], None).excitations
     return Forcing(drivetrain, inputs, PeriodicDrive(lambda p: 2 * math.pi * p, lambda _: loads), parameters, "", 1.0)
 
 
@@ -123,7 +125,7 @@ def over_speed(
     if isinstance(excitation, Mapping):
         text = "over speed excitation= names excitations of the model; torques by name go with frequencies="
         raise UsageError(text, kind="wrong-form")
-    request = OrderRequest.of(drivetrain, speeds, speed_of, excitation)
+    request = order_request(drivetrain, speeds, speed_of, excitation)
     parameters = _parameters(request.speeds, "speeds", "rad/s")
     first = request.loads(parameters[:1])
     _require_period(first.lines, first.inputs)
@@ -132,7 +134,7 @@ def over_speed(
     # All orders are whole multiples of one: gcd of the numerators over lcm of the denominators.
     base = Fraction(math.gcd(*(h.numerator for h in relative)), math.lcm(*(h.denominator for h in relative)))
     means = acting_means(drivetrain)
-    mean_inputs = resolve_inputs(drivetrain, list(means), None).excitations if means else ()
+    mean_inputs = resolve_inputs(request.drivetrain, list(means), None).excitations if means else ()
     inputs = tuple(dict.fromkeys((*first.inputs, *mean_inputs)))
     harmonics = [int(order / base) for order in relative]
     if max(harmonics) > MOST_ORDERS:
@@ -161,6 +163,29 @@ def over_speed(
 
     drive = PeriodicDrive(lambda speed: float(base) * speed, loads, lambda speed: speed)
     return Forcing(drivetrain, inputs, drive, parameters, request.reference, float(base))
+
+
+def order_request(
+    drivetrain: AssembledModel, speeds: Any, speed_of: str | None, excitation: str | Iterable[str] | None
+) -> OrderRequest:
+    """Order request of a drivetrain whose laws of motion lock nothing, as friction does that sticks in linear results.
+
+    Raises
+    ------
+    UsageError
+        Cylinders of which any may misfire, or that scatter: each case has motions of its own.
+    """
+    _ = drivetrain.assembly  # linear about its operating point, whose torques have to balance
+    request = OrderRequest.of(placed_plant(drivetrain).drivetrain, speeds, speed_of, excitation)
+    several = [
+        each.name
+        for each in request.loads(request.speeds[:1]).by_excitation
+        if each.torques.alternatives is not None or each.torques.scatter is not None
+    ]
+    if several:
+        text = "periodic motion is that of one case of excitation; say which cylinder misfires, without scatter"
+        raise UsageError(f"{named_list(several)}: {text}", kind="no-period")
+    return request
 
 
 def _require_fixed_values(drivetrain: AssembledModel) -> None:

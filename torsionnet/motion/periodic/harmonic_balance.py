@@ -27,6 +27,8 @@ MOST_STEPS = 40
 """Most steps of Newton's method from one start."""
 NOWHERE = 1e-8
 """Stiffness over k_0 that resists a mean twist in the slopes alone, so that these are never singular."""
+HARDLY = 1e-4
+"""Slope over r of the mean torque of friction that sticks: less would be lost in the rounding of the residual."""
 SHORTEST = 1 / 64
 """Shortest part of a step of Newton's method that is tried."""
 
@@ -109,6 +111,8 @@ class HarmonicBalance:
             tau[0, 0] += NOWHERE * self.references[m]
             over_motions[:, :, m] = self.G[:, :, m].T[:, :, None] * tau
             over_motions[m, :, m] += identity - force.yielding * change
+            # Friction that sticks for good may hold any mean torque.
+            over_motions[m, 0, m, 0] += HARDLY * force.power
         parts = np.concatenate([over_motions.real, over_motions.imag[:, 1:]], axis=1)
         return parts.reshape(n * (2 * H + 1), n * (2 * H + 1))
 

@@ -27,7 +27,7 @@ from torsionnet.model.motion_laws.describing_functions import (
     has_steps,
     slider_describing_function,
 )
-from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope
+from torsionnet.model.motion_laws.piece_curve import ROUNDING, Hold, PieceCurve, Slope
 from torsionnet.model.motion_laws.smooth_curves import CubicCurve
 
 PLACES = 257
@@ -320,9 +320,13 @@ def _resolved(owner: str, curve: PieceCurve, scale: float, r: float, power: int)
     rate = curve.over == "rate"
     points: list[tuple[float, float]] = []
     ends: list[float] = []
+    sticks_more = False
     for number, piece in enumerate(curve.pieces):
         if isinstance(piece, Hold):
             points += [(float(piece.at), scale * float(piece.low)), (float(piece.at), scale * float(piece.high))]
+            following = curve.pieces[number + 1]
+            assert isinstance(following, Slope)
+            sticks_more |= bool(piece.high > (1 + ROUNDING) * following.at(piece.at, piece.at))
             continue
         slope = scale * float(piece.damping if rate else piece.stiffness)
         if number == 0 or number == len(curve.pieces) - 1:
@@ -332,8 +336,8 @@ def _resolved(owner: str, curve: PieceCurve, scale: float, r: float, power: int)
             points.append((corner, scale * float(piece.torque) + slope * corner))
     g, torque = np.array(points).T
     x = g + torque / r
-    if (np.diff(x) <= 0).any() or (np.diff(torque) < 0).any():
-        text = "its torque falls with the motion where it sticks, which periodic motion does not work out"
+    if sticks_more or (np.diff(x) <= 0).any() or (np.diff(torque) < 0).any():
+        text = "its torque falls with the motion, or as it lets go; periodic motion does not work that out"
         raise UsageError(f"{owner}: {text}; use simulate", kind="unsupported-law")
     # dT/dx of a slope k behind r in series, k r / (k + r).
     before, after = (slope * r / (slope + r) for slope in (ends[0], ends[-1]))

@@ -91,6 +91,8 @@ def _top(
         stepped = tracer.step(start, along)
         return 0.0 if stepped is None else float(_swings(problem, tracer.motion(stepped[0]), [reading])[0])
 
+    if length <= 0:  # with more harmonics the branch goes on the other way
+        return None
     top = scipy.optimize.minimize_scalar(lambda along: -swing(along), bounds=(0, length), method="bounded",
                           options={"xatol": LOCATED * length})  # fmt: skip
     stepped = tracer.step(start, float(top.x))

@@ -16,15 +16,15 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from torsionnet.base.errors import UsageError, named_list
+from torsionnet.base.errors import UsageError
 from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.machinery.orders.order_line import SUM_SEPARATOR, OrderLine
 from torsionnet.machinery.orders.order_response import OrderResponse
-from torsionnet.machinery.orders.order_solution import OrderRequest
 from torsionnet.model.channels import Channels
+from torsionnet.motion.periodic.forcing import order_request
 from torsionnet.motion.periodic.periodic_response import periodic_response
 from torsionnet.motion.periodic.periodic_result import FoundMotion, PeriodicResponse
 
@@ -112,9 +112,8 @@ def periodic_orders(
         No periodic motion was found at a speed.
     """
     names = excitation if excitation is None or isinstance(excitation, str) else tuple(excitation)
-    request = OrderRequest.of(drivetrain, speeds, speed_of, names)
+    request = order_request(drivetrain, speeds, speed_of, names)
     at = np.unique(request.speeds)
-    _require_one_case(request, at)
     searched = _searched(drivetrain, request.reference, at)
 
     def found_at(those: FloatArray) -> PeriodicResponse:
@@ -159,18 +158,6 @@ def _stable(motion: FoundMotion) -> bool | None:
     if motion.on_edge:
         return bool((np.abs(motion.multipliers) < 1 + EDGE).all())
     return motion.is_stable
-
-
-def _require_one_case(request: OrderRequest, at: FloatArray) -> None:
-    """Raise UsageError for cylinders of which any may misfire, or that scatter: each case has motions of its own."""
-    several = [
-        excitation.name
-        for excitation in request.loads(at[:1]).by_excitation
-        if excitation.torques.alternatives is not None or excitation.torques.scatter is not None
-    ]
-    if several:
-        text = "periodic motion is that of one case of excitation; say which cylinder misfires, without scatter"
-        raise UsageError(f"{named_list(several)}: {text}", kind="no-period")
 
 
 def _searched(drivetrain: AssembledModel, reference: str, at: FloatArray) -> FloatArray:

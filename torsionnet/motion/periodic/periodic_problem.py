@@ -149,10 +149,32 @@ class PeriodicProblem:
         more = np.stack([harmonics_of(answer.torque, 2 * H)[H + 1 :] for answer in answers], axis=1)
         behind = np.array([force.yielding if force.behind_spring else 0.0 for force in self.forces])
         moved = np.abs(np.einsum("kli,ki->kl", self.plant.rows @ further.own, more) - more * behind).sum(axis=0)
-        twists = self.twists(x, torques)
-        size = np.array([np.ptp(over_time(twists[:, place], samples(H))) for place in range(x.shape[1])])
-        left = float((moved / np.where(size > 0, size, 1.0)).max(initial=0.0))
+        swing = np.array([np.ptp(over_time(own, samples(H))) for own in self._angles(x, torques, balance.omega).T])
+        left = float((moved / np.where(swing > 0, swing, 1.0)).max(initial=0.0))
         return PeriodicMotion(parameter, balance.omega, x, torques, self.subharmonics, left)
+
+    @property
+    def has_steps(self) -> bool:
+        """Whether a law has steps, whose torque over time jumps where no spring stands before it."""
+        return any(force.yielding and not force.behind_spring for force in self.forces)
+
+    def moved_by_last(self, motion: PeriodicMotion) -> float:
+        """Share of a swing by which the last harmonics moved a motion: of laws with steps, more than those left out."""
+        count = int(motion.harmonics / MORE)
+        balance = self.balance(motion.parameter, count)
+        x = newton(balance, motion.x)
+        if x is None:
+            return 1.0
+        fewer = fitted(self._angles(x, balance.residual(x)[2], motion.omega), motion.harmonics)
+        twists = self._angles(motion.x, motion.torques, motion.omega)
+        n = samples(motion.harmonics)
+        own, apart = (np.array([np.ptp(over_time(column, n)) for column in of.T]) for of in (twists, twists - fewer))
+        return float((apart / np.where(own > 0, own, 1.0)).max())
+
+    def _angles(self, x: ComplexArray, torques: ComplexArray, omega: float) -> ComplexArray:
+        """Harmonics of the twists of the laws in rad, of those over the rate without the mean."""
+        s = 1j * omega * np.maximum(np.arange(len(x)), 1)[:, None]
+        return np.asarray(self.twists(x, torques) / s ** np.array([force.power for force in self.forces]))
 
     def twists(self, x: ComplexArray, torques: ComplexArray) -> ComplexArray:
         """Harmonics (H + 1, n_laws) of the motions g of the laws, without what laws with steps have beside."""
@@ -174,7 +196,7 @@ class PeriodicProblem:
 
     def largest_twist(self, motion: PeriodicMotion) -> tuple[str, float]:
         """Element of the law whose motion swings most, and its peak to peak, in rad of twists."""
-        twists = self.twists(motion.x, motion.torques)
+        twists = self._angles(motion.x, motion.torques, motion.omega)
         swings = [float(np.ptp(over_time(own, samples(motion.harmonics)))) for own in twists.T]
         place = int(np.argmax(swings))
         return self.plant.laws[place].owner, swings[place]

@@ -27,7 +27,7 @@ from torsionnet.motion.periodic.forcing import Forcing, Torques, over_frequency,
 from torsionnet.motion.periodic.harmonic_balance import unpacked
 from torsionnet.motion.periodic.peaks import ListedMotion, with_peaks
 from torsionnet.motion.periodic.periodic_notes import periodic_notes
-from torsionnet.motion.periodic.periodic_problem import Harmonics, PeriodicMotion, PeriodicProblem, peak_to_peak
+from torsionnet.motion.periodic.periodic_problem import MORE, Harmonics, PeriodicMotion, PeriodicProblem, peak_to_peak
 from torsionnet.motion.periodic.periodic_result import EDGES, FoundMotion, PeriodicResponse
 from torsionnet.motion.periodic.stability import Stability, stability_of
 from torsionnet.motion.periodic.starts import without_start
@@ -36,6 +36,8 @@ POINTS_READ = 1000
 """Points in a period at which outputs are read for their extremes, besides all corners."""
 BEGUN = {"doubling": "doubled", "symmetry": "lopsided"}
 """Words for branches that begin where others fork, by the kind of the fork."""
+ENOUGH, MOST_TAKEN = 1e-5, 250
+"""Share of a swing that the last harmonics may move where laws have steps, and most of them in a period of torques."""
 AMPLITUDES = 16
 """Harmonics of the torques' period whose amplitudes a result keeps."""
 
@@ -170,7 +172,7 @@ def _result(
             if left:
                 beyond.append((number, each.motion.parameter, left))
             else:
-                motions.append(_motion_read(branch.problem, each.motion, each.turn, number, readings))
+                motions.append(_motion_read(branch.problem, each.motion, each.turn, number, readings, harmonics))
     if not motions:
         what = beyond[0][2] if beyond else "no motion was found where one was asked for; ask for more places"
         raise SolveError(what, kind="beyond-table" if beyond else "no-period")
@@ -232,11 +234,16 @@ def _between(
 
 
 def _motion_read(
-    problem: PeriodicProblem, motion: PeriodicMotion, turn: str, branch: int, readings: Sequence[Functional]
-) -> FoundMotion:
+    problem: PeriodicProblem, motion: PeriodicMotion, turn: str, branch: int, readings: Sequence[Functional],
+    harmonics: Harmonics,
+) -> FoundMotion:  # fmt: skip
     on_edge = turn in EDGES
     stability = stability_of(problem, motion, on_edge=on_edge)
+    if problem.has_steps and harmonics == "auto":
+        motion, stability = _with_steps(problem, motion, stability, on_edge=on_edge)
     amplitudes = problem.readings(motion, readings)
+    if problem.has_steps and harmonics == "auto" and stability.march is not None and stability.passage is not None:
+        amplitudes = stability.march.harmonics(stability.passage, readings, POINTS_READ, len(amplitudes) - 1)
     lowest, highest = _extremes(stability, amplitudes, readings)
     angles, speeds = _node_states(problem, motion, stability)
     words = stability.words
@@ -245,6 +252,24 @@ def _motion_read(
         amplitudes[: AMPLITUDES * motion.subharmonics + 1], stability.multipliers,
         f"on the edge: {turn}" if on_edge and not stability.undetermined else words, angles, speeds,
     )  # fmt: skip
+
+
+def _with_steps(
+    problem: PeriodicProblem, motion: PeriodicMotion, stability: Stability, *, on_edge: bool
+) -> tuple[PeriodicMotion, Stability]:
+    """Motion of laws with steps, with more harmonics until its contact states close, or the last ones move little.
+
+    Where a torque jumps over time the harmonics of the motion fall slowly; a period that closes is exact.
+    """
+    while stability.passage is None:
+        motion = replace(motion, left_out=max(motion.left_out, problem.moved_by_last(motion)))
+        if motion.left_out < ENOUGH or motion.harmonics * MORE > MOST_TAKEN * problem.subharmonics:
+            break
+        finer = problem.solve(motion.parameter, motion.x, int(motion.harmonics * MORE))
+        if finer is None:
+            break
+        motion, stability = finer, stability_of(problem, finer, on_edge=on_edge)
+    return motion, stability
 
 
 def _extremes(stability: Stability, amplitudes: Any, readings: Sequence[Functional]) -> tuple[FloatArray, FloatArray]:

@@ -27,8 +27,9 @@ from torsionnet.motion.periodic.periodic_problem import PeriodicMotion, Periodic
 
 CLOSED = 1e-7
 """Share of a state by which a period over contact states may stay open."""
-NEAR = 1e-3
-"""Share of a state by which the period that closes may begin elsewhere than the motion of harmonics."""
+NEAR, NEAR_OF_STEPS = 1e-3, 0.05
+"""Share of a state by which the period that closes may begin elsewhere than the motion of harmonics, which fall slowly
+where laws have steps."""
 STEPS_PER_HARMONIC, FEWEST_STEPS = 16, 512
 """Steps of Magnus's method in a period over the harmonics, and at least."""
 MOST_CLOSED = 8
@@ -123,7 +124,8 @@ def _over_contacts(problem: PeriodicProblem, motion: PeriodicMotion, most: int) 
     # what has no inertia may begin with any rate
     z = march.states.form(passage.stretches[0].contact).refresh @ z
     size = np.abs(z[own]).max()
-    if left_open > (CLOSED if most else NEAR) or np.abs((first - z)[own]).max() > NEAR * size:
+    near = NEAR_OF_STEPS if problem.has_steps else NEAR
+    if left_open > (CLOSED if most else NEAR) or np.abs((first - z)[own]).max() > near * size:
         return Stability(np.zeros(0, dtype=complex), "over its contact states the motion does not close")
     over_twist = np.array([law.law.curve.over == "twist" for law in problem.plant.laws])
     idle = bool((over_twist & ~motion.torques.any(axis=0)).any())
