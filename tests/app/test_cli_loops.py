@@ -11,8 +11,9 @@ from support.command_line import run
 from support.loop_records import backlash_record, course, loop_record, stage_record
 
 import torsionnet as tn
+from torsionnet.io.loop_element import loop_element
 from torsionnet.signals import Signal, write_recording
-from torsionnet.signals.torque_loops.loop_result import TorqueLoops
+from torsionnet.signals.torque_loops.loop_result import LoopValue, TorqueLoops
 
 
 def call(tmp_path, record, *more, code=0):
@@ -26,7 +27,11 @@ def test_the_component_of_a_record_is_a_model_that_loads(tmp_path):
         call(tmp_path, stage_record(1), "--write-model", file, "-o", tmp_path / "loops.json", "--json").stdout
     )
     (loop,) = found["loops"]
-    assert TorqueLoops.from_json(tmp_path / "loops.json").loops[0].cycles == loop["cycles"] == 5
+    again = TorqueLoops.from_json(tmp_path / "loops.json")
+    assert again.loops[0].cycles == loop["cycles"] == 5
+    rubbing = [replace(one, friction=LoopValue(2.0 * one.number)) for one in again.loops[0].stages]
+    element = loop_element(replace(again, loops=(replace(again.loops[0], stages=tuple(rubbing)),)))
+    assert element.definition.parameters["M"].description.endswith("stages rub with 2, 4")
     rig = tn.load(file)
     text = file.read_text(encoding="utf-8")
     assert "95 %" in text
@@ -59,6 +64,12 @@ def test_corrections_are_options_and_what_is_missing_is_told(tmp_path):
     taken = call(tmp_path, stage_record(2, drift=9.0), "--drift", "--angle-unit", "deg")
     assert "more than the friction torque" not in taken.stderr
     assert "deg" in taken.stdout
+    twist, sense = course(4.6, 800, sine=True)
+    record = loop_record(900 * 0.1 * twist + 5 * sense, 0.1 * twist)
+    assert "lateness of the torque" in call(tmp_path, record).stdout
+    moved = call(tmp_path, record, "--delay", "T=1.2ms").stdout
+    assert "torque moved 1.2 ms" in moved
+    assert "lateness of the torque" not in moved
     refused = call(tmp_path, loop_record(np.linspace(0, 9, 900), np.linspace(0, 0.1, 900)), code=2)
     assert "[no-reversal]" in refused.stderr
     alone = stage_record(2)

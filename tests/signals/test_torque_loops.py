@@ -152,13 +152,18 @@ def test_drift_opens_the_loop_until_it_is_taken_out():
 def test_drift_beyond_the_friction_is_a_warning():
     notes = loops(stage_record(5, drift=9.0), "T", "gamma").notes
     assert any("more than the friction torque" in note and str(note).startswith("warning") for note in notes)
+    assert not any("in series" in note for note in notes)
 
 
 def test_coarse_steps_of_the_encoder_widen_the_intervals():
-    record = stage_record(3, step=np.radians(0.25))
+    step, (twist, sense) = np.radians(0.25), course(4.6, 800)
+    torque = staged(0.25 * twist) + sense + np.random.default_rng(1).normal(0, 0.1, len(twist))
+    record = loop_record(torque, (np.round(0.25 * twist / step + 0.3) - 0.3) * step)
     found = loops(record, "T", "gamma")
     assert any("steps of the twist of 0.25 deg" in note for note in found.notes)
-    told, hidden = (stage_values(one) for one in (found.loops[0], only(record, encoder_step=1e-9)))
+    unknown = loops(record, "T", "gamma", encoder_step=1e-9)
+    assert [any("in series" in note for note in one.notes) for one in (found, unknown)] == [False, True]
+    told, hidden = (stage_values(one.loops[0]) for one in (found, unknown))
     assert told["k_1"].half_width > 1.5 * hidden["k_1"].half_width
 
 

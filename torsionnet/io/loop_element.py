@@ -11,6 +11,7 @@ import numpy as np
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.elements import ArcSpring, Clearance, Friction, Lock, Spring
 from torsionnet.signals.torque_loops.arc_loops import ARC, RADIUS, ArcLoops, arc_loops
+from torsionnet.signals.torque_loops.loop_numbers import ONE_FRICTION
 from torsionnet.signals.torque_loops.loop_result import LoopStage, LoopValue, TorqueLoop, TorqueLoops
 
 NODES = ("driving", "driven")
@@ -56,6 +57,9 @@ def loop_element(loops: TorqueLoops) -> Drivetrain:
     elements = [spring, Lock("clamp", node=NODES[1])]
     if loop.friction.value > 0 and (loop.friction.half_width or 0.0) < loop.friction.value:
         torque = parameter("M", loop.friction, "N*m")
+        each = [one.friction.value for one in both]
+        if each and np.ptp(each) > ONE_FRICTION * max(each):
+            parameters["M"]["description"] += ", its mean; stages rub with " + ", ".join(f"{one:.3g}" for one in each)
         elements.insert(1, Friction("friction", nodes=NODES, torque=torque))
     return Drivetrain("component", elements, parameters=parameters, description=f"From loops: {source}")
 

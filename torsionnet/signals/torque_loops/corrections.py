@@ -13,6 +13,7 @@ from torsionnet.signals.torque_loops.cycles import Cycle, cycle_at, even_bounds,
 from torsionnet.signals.torque_loops.joined_lines import JoinedLines, fitted, with_breaks
 from torsionnet.signals.torque_loops.loop_numbers import (
     LoopRecord,
+    crossing_of,
     cycle_numbers,
     flat_piece,
     line_numbers,
@@ -130,7 +131,8 @@ def step_deviations(record: LoopRecord, cycle: Cycle, each: Sequence[JoinedLines
 def _numbers(record: LoopRecord, cycle: Cycle, lines: JoinedLines, flat: int | None) -> dict[str, float]:
     samples = record.branches([cycle])
     begin, end = float(record.time[0]), float(2 * record.time[-1] - record.time[-2])
-    return {**line_numbers(fitted(lines, samples)[0], samples, flat), **cycle_numbers(record, cycle, begin, end)}
+    numbers = line_numbers(fitted(lines, samples)[0], samples, flat) | cycle_numbers(record, cycle, begin, end)
+    return {**numbers, "crossing": crossing_of(record, cycle, lines)}
 
 
 def without_stepped_breaks(record: LoopRecord, cycles: Sequence[Cycle], lines: JoinedLines, step: float) -> JoinedLines:

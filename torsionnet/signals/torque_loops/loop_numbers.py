@@ -297,6 +297,7 @@ def loop_of(
     }
     breaks = np.mean([joined.breaks for joined in lines], axis=0)
     grid, upper, lower = mean_branches(record, cycles, breaks)
+    crossings = [crossing_of(record, *each) for each in zip(cycles, lines, strict=True)]
     bounds = even_bounds(cycles, record.time)
     return TorqueLoop(
         cycles=len(cycles),
@@ -320,33 +321,30 @@ def loop_of(
         upper=upper,
         lower=lower,
         spring_line=np.asarray(np.mean([joined.torque(grid) for joined in lines], axis=0)),
-        crossing=_crossing(record, cycles, lines),
+        crossing=mean_value(np.array(crossings), further.get("crossing", 0.0)),
         relaxation=_relaxation(record, cycles),
         bends=bends,
     )
 
 
-def _crossing(record: LoopRecord, cycles: Sequence[Cycle], each: Sequence[JoinedLines]) -> LoopValue:
-    """Twist behind a reversal in which the torque crosses from a branch to the other, by the area between them.
+def crossing_of(record: LoopRecord, cycle: Cycle, lines: JoinedLines) -> float:
+    """Twist behind a reversal of a cycle in which the torque crosses to the other branch, by the area between, rad.
 
     A torque that jumps crosses within the distance of two samples, which is taken off; of one that crosses over many
     samples the area is right.
     """
-    crossings = []
-    for cycle, lines in zip(cycles, each, strict=True):
-        lengths, steps = [], []
-        for at, sense, tip in ((cycle.first, 1.0, cycle.low), (cycle.top, -1.0, cycle.high)):
-            smooth = sense * (record.twist[at : at + (cycle.last - cycle.first) // 4] - tip)
-            near = np.arange(at, at + max(2, int(np.argmax(smooth > BEHIND * cycle.swing))))
-            twist, torque = record.twist[near], record.torque[near]
-            friction = lines.friction[lines.piece(twist)]
-            past = np.maximum(sense * (twist - tip), 0.0)
-            left = sense * (lines.torque(twist) - torque) + friction  # 2 M at the reversal, 0 behind it
-            steps.append(float(np.diff(past[:NEXT]).mean()))  # there, as a sine turns slowly
-            lengths.append(float(np.trapezoid(left, past)) / max(float(friction[0]), record.torque_noise))
-        length, step = float(np.mean(lengths)), float(np.mean(steps))
-        crossings.append(length - (step if length <= step else step**2 / length))
-    return mean_value(np.array(crossings), 0.0)
+    lengths, steps = [], []
+    for at, sense, tip in ((cycle.first, 1.0, cycle.low), (cycle.top, -1.0, cycle.high)):
+        smooth = sense * (record.twist[at : at + (cycle.last - cycle.first) // 4] - tip)
+        near = np.arange(at, at + max(2, int(np.argmax(smooth > BEHIND * cycle.swing))))
+        twist, torque = record.twist[near], record.torque[near]
+        friction = lines.friction[lines.piece(twist)]
+        past = np.maximum(sense * (twist - tip), 0.0)
+        left = sense * (lines.torque(twist) - torque) + friction  # 2 M at the reversal, 0 behind it
+        steps.append(float(np.diff(past[:NEXT]).mean()))  # there, as a sine turns slowly
+        lengths.append(float(np.trapezoid(left, past)) / max(float(friction[0]), record.torque_noise))
+    length, step = float(np.mean(lengths)), float(np.mean(steps))
+    return length - (step if length <= step else step**2 / length)
 
 
 def _relaxation(record: LoopRecord, cycles: Sequence[Cycle]) -> LoopValue | None:

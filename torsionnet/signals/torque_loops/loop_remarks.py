@@ -131,7 +131,7 @@ def series_remarks(loops: Sequence[TorqueLoop]) -> list[NoteOrText]:
                     phrase(
                         "behind a reversal the torque needs {crossing:.2g} deg to cross over, as behind "
                         "{stiffness:.2g} N m/rad in series between the sensors, which make the component {share:.2g} % "
-                        "too soft; or the torque comes late: run at two speeds",
+                        "too soft, or by friction behind a spring; or the torque comes late: run at two speeds",
                         crossing=np.degrees(crossing.value),
                         stiffness=stiffness,
                         share=100 * loop.storage_stiffness.value / stiffness,

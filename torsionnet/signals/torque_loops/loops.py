@@ -18,7 +18,7 @@ from torsionnet.signals.torque_loops.corrections import (
     without_inertia,
     without_stepped_breaks,
 )
-from torsionnet.signals.torque_loops.cycles import Cycle, cut_cycles, noise_of, repeated_cycles
+from torsionnet.signals.torque_loops.cycles import SMALLEST_SWING, Cycle, cut_cycles, noise_of, repeated_cycles
 from torsionnet.signals.torque_loops.loop_numbers import LoopRecord, common_lines, loop_of, run_numbers
 from torsionnet.signals.torque_loops.loop_remarks import Applied, loop_remarks, series_remarks, speed_remarks
 from torsionnet.signals.torque_loops.loop_result import TorqueLoop, TorqueLoops
@@ -88,7 +88,11 @@ def loops(
     every = tuple(loop for loop, _ in remarked)
     arcs = arc_loops(every)
     notes = [*(note for _, ours in remarked for note in ours), *speed_remarks(every)]
-    notes += series_remarks(every) if arcs is None else arcs.notes()
+    if arcs is None:
+        # What drifts beyond its friction crosses over nowhere.
+        notes += series_remarks([loop for loop in every if drift or abs(loop.drift.value) <= abs(loop.friction.value)])
+    else:
+        notes += arcs.notes()
     return TorqueLoops(
         loops=every,
         torque=torque,
@@ -115,7 +119,8 @@ def _runs(twist: FloatArray) -> list[list[Cycle]]:
     if not cycles:
         raise UsageError(
             "the twist does not go there and back again: a loop needs whole cycles, of which the first is left out; "
-            "record a triangle or a sine of at least three cycles",
+            "record a triangle or a sine of at least three cycles; of swings below "
+            f"{SMALLEST_SWING:.0%} of the whole range, cut off the way to them",
             kind="no-reversal",
         )
     runs = [run for run in repeated_cycles(cycles) if len(run) >= FEWEST_CYCLES]

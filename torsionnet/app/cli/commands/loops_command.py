@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -85,9 +86,12 @@ class LoopsCommand(RecordCommand):
         if len(self.twist) > 2:
             raise click.UsageError("a twist is one channel, or two angles: give --twist once or twice")
         self.span.check(self.record)
+        # The lateness of the torque is for the loops to take out, and to know of.
+        span, late = copy(self.span), dict(self.span.delays).get(self.torque, 0.0)
+        span.delays = tuple(one for one in span.delays if one[0] != self.torque)
         names = [self.torque, *self.twist, *([self.speed_channel] if self.speed_channel else [])]
         with progress("loops", None) as advance:
-            record = load_record(self.record, self.reading, names, 0.0, advance, self.span)
+            record = load_record(self.record, self.reading, names, 0.0, advance, span)
             if not isinstance(record, Recording):
                 raise click.UsageError("a record of loops is read as a whole: cut it by --start and --stop")
             result = loops(
@@ -95,6 +99,7 @@ class LoopsCommand(RecordCommand):
                 self.torque,
                 self.twist[0] if len(self.twist) == 1 else (self.twist[0], self.twist[1]),
                 speed_channel=self.speed_channel,
+                delay=late,
                 inertia=self.inertia or 0.0,
                 drift=self.drift,
                 encoder_step=self.encoder_step,
