@@ -56,6 +56,9 @@ def test_free_play_becomes_a_clearance_and_sides_that_differ_rows(tmp_path):
     assert rows[1] == pytest.approx([0.1, 40.0], rel=0.01)
     slopes = np.diff(rows[:, 1]) / np.diff(rows[:, 0])
     assert slopes == pytest.approx([400, 1900], rel=0.01)
+    call(tmp_path, loop_record(-torque - noise, -0.25 * twist), "--write-model", file)
+    mirrored = [cell.evaluate({}) for cell in tn.load(file).elements["springs"].torque_over_twist[1]]
+    assert mirrored == pytest.approx([-0.1, -40.0], rel=0.01)
 
 
 def test_corrections_are_options_and_what_is_missing_is_told(tmp_path):

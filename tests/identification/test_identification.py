@@ -1,6 +1,7 @@
 """Parameters found from records and responses whose truth is known."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from torsionnet import plot
 from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.bench.plan import Acquisition, Encoder, Plan, Transducer
 from torsionnet.identification import Candidate, choose_model, load_fit
-from torsionnet.identification.verdict_words import NO_SCATTER
+from torsionnet.identification.verdict_words import NO_SCATTER, _combinations
 from torsionnet.signals import LinearChirp, Recording, Signal, Welch, estimate
 
 F = np.linspace(0.5, 25, 120)
@@ -265,6 +266,12 @@ def test_two_drags_cannot_be_told_apart_in_one_gear(amt):
     assert abs(fit.correlation[0, 1]) > 0.999
     together = fit.values["c_B"] + fit.values["c_O"] / 7.96**2
     assert together == pytest.approx(1.5 + 170 / 7.96**2, rel=0.01)
+
+
+def test_a_thousandth_of_a_combination_is_named():
+    problem = SimpleNamespace(names=("a", "b", "c"), blocks=[SimpleNamespace(measurement=SimpleNamespace(label="run"))])
+    (text,) = _combinations(problem, np.array([[1.0, -1.5e-3, 0.5e-3]]), ())
+    assert text.startswith("a and b cannot be told apart in run alone")
 
 
 def test_nearly_indistinguishable_parameters_are_named_with_their_correlation():

@@ -129,6 +129,11 @@ def test_an_american_sheet_in_pounds(tmp_path):
     assert float(sheet.links[0].stiffness.si) == pytest.approx(58.2e6 * pound * 9.80665 * inch, rel=1e-14)
     assert float(sheet.links[0].outer.si) == pytest.approx(9.5 * inch)
     assert [mass.ratio for mass in sheet.masses] == [1, 1, 4]
+    (tmp_path / "sheet.csv").write_text(
+        text.replace("RPM", "Speed").replace(",1785", ",1785 rpm").replace("7140", "747.69905 rad/s")
+    )
+    ratios = [float(mass.ratio) for mass in tn.io.mass_elastic_report(tmp_path / "sheet.csv").masses]
+    assert ratios == pytest.approx([1, 1, 4])
 
 
 def test_a_remark_behind_the_unit_of_a_heading(tmp_path):

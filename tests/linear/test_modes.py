@@ -11,6 +11,7 @@ import torsionnet as tn
 from torsionnet.base.errors import UsageError
 from torsionnet.linear.modes import frozen_stiffness
 from torsionnet.linear.modes.eigen import undamped_modes
+from torsionnet.linear.modes.spectrum import Mode
 
 
 def test_energy_shares_by_hand():
@@ -280,6 +281,16 @@ class TestTables:
         modes = tn.Drivetrain("steep", [tn.Inertia("j", node="a", inertia=1), bush]).modes()
         assert modes.eigenvalues == pytest.approx([1j * 30**0.5, 1j * 60**0.5])
         assert "1 vibration more than with their values at rest" in modes.notes[0]
+
+    def test_where_stiffness_rises_quicker_than_frequency_no_vibration_is_counted(self):
+        """(omega^2)' = 2 omega below k', so that the frequency above overtakes: sqrt(30), 5.8 and sqrt(60) rad/s."""
+        rows = [[0.1, 30, 0], [0.9, 30, 0], [1.1, 60, 0], [9, 60, 0]]
+        bush = tn.TabulatedSpring("k", nodes=("a", "ground"), table=rows)
+        system = tn.Drivetrain("steep", [tn.Inertia("j", node="a", inertia=1), bush]).assembly.system
+        hertz = np.array([30**0.5 / (2 * np.pi), np.roots([(2 * np.pi) ** 2, -150, 105])[1], 60**0.5 / (2 * np.pi)])
+        met = [Mode(2j * np.pi * f, np.ones(1)) for f in hertz]
+        search = frozen_stiffness.FixedPoints(frozen_stiffness.FrozenProblem(system, undamped=True))
+        assert search._where_the_count_falls(met) == met[::2]
 
     def test_the_lowest_with_several_rings_free_at_rest_are_found_by_sparse_methods(self, monkeypatch):
         """Three rigid motions at rest, more than modes sought beside them."""

@@ -26,7 +26,9 @@ def points(axes):
 
 class TestStabilisation:
     def test_every_pole_is_drawn_as_what_it_is(self, diagram):
-        drawn = points(plot.stabilisation(diagram).axes[0])
+        axes = plot.stabilisation(diagram).axes[0]
+        assert axes.get_ylim() == (0, len(diagram.orders) + 1)
+        drawn = points(axes)
         assert sum(len(part) for part in drawn.values()) == sum(len(order.poles) for order in diagram.orders)
         for order in diagram.orders:
             stable = drawn["and in shape"]

@@ -18,6 +18,7 @@ from torsionnet.signals import Recording, Signal, spectrogram
 from torsionnet.signals.order_tracking import Harmonics
 from torsionnet.signals.orders.tracked_orders import MeasuredOrder, TrackedOrders
 from torsionnet.signals.recording import MotionEvent
+from torsionnet.signals.stepped_levels import SteppedStiffness
 from torsionnet.signals.uncertainty import peak_warnings
 from torsionnet.study.shown_units import IN_SI
 
@@ -177,6 +178,7 @@ def test_large_torques_are_drawn_in_kilonewtonmetres():
 
 
 def test_pictures_have_the_title_that_is_given_and_amplitudes_over_speed_begin_at_zero():
+    from torsionnet.plot.loops_plot import stepped_stiffness
     from torsionnet.plot.order_overlay_plot import order_overlay
     from torsionnet.plot.order_response_plot import half_ranges
 
@@ -193,6 +195,10 @@ def test_pictures_have_the_title_that_is_given_and_amplitudes_over_speed_begin_a
     for figure in (*over_speed, plot.waterfall(run, title="x"), plot.time_histories(record, title="x")):
         assert figure.get_suptitle() == "x"
     assert [figure.get_suptitle() for figure in (half_ranges([run]), plot.waterfall(run))] == ["T_s", run.title]
+    stepped = SteppedStiffness(*np.array([[4.0], [0.1], [46.0], [0], [0], [0]]), title="bench")
+    titles = [stepped_stiffness(one, title=title).get_suptitle()
+              for one, title in ((stepped, "x"), (stepped, ""), (replace(stepped, title=""), ""))]  # fmt: skip
+    assert titles == ["x", "bench", "Stiffness over amplitude"]
     two = half_ranges([run, run], labels=["wet", "dry"])
     assert [text.get_text() for text in two.legends[0].get_texts()] == ["wet", "dry"]
 

@@ -27,6 +27,13 @@ def test_a_cut_meets_no_symbol_and_few_lines():
     assert 108 <= cut <= 116  # above the end of the second line
 
 
+def test_a_branch_that_fits_nowhere_begins_with_its_piece():
+    from torsionnet.plot.schematics.line_routes import BranchWidth, RouteStep, piece_starts
+
+    steps = [RouteStep(40, 0, 0, (BranchWidth(0, 300),) if place == 3 else ()) for place in range(7)]
+    assert piece_starts(0.0, steps, 200, 0) == [0, 3]
+
+
 def test_a_level_line_is_not_cut():
     from torsionnet.plot.schematics.schematic import cut_heights
 

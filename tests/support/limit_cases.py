@@ -40,19 +40,20 @@ def stressed(stress, limit, rpm=None, diameter=0.4, misfire=False, rated=100.0, 
     rig = tn.Drivetrain("rig", elements, speeds={"of": "a", "list": (rpm * RPM).tolist(), "rated": f"{rated} rpm"},
                         excitations={"engine": engine}, limits={"shaft": limit})  # fmt: skip
     torque = np.asarray(stress(rpm)) * 1e6 * math.pi * diameter**3 / 16
-    sensors = [Sensor("torque", "shaft", port) for port in ("first", "second")]
+    sensors = [Sensor("torque", "shaft", "first"), Sensor("torque", "shaft", "second"),
+               Sensor("torque", "shaft"), Sensor("twist", "shaft")]  # fmt: skip
 
     def response(torque):
         return OrderResponse(
             rpm * RPM, "a", (OrderLine("engine", 1.0, Fraction(1)),),
-            np.stack([torque, 0.9 * torque], axis=1)[:, None, :].astype(complex),
+            np.stack([torque, 0.9 * torque, torque, torque], axis=1)[:, None, :].astype(complex),
             tuple(Channel(str(one), "N*m") for one in sensors),
         )  # fmt: skip
 
     run_ = response(torque)
     if cases is not None:
         each = tuple(response(one * 1e6 * math.pi * diameter**3 / 16) for one in cases.T)
-        chosen = np.repeat(np.argmax(cases, axis=1)[:, None], 2, axis=1)
+        chosen = np.repeat(np.argmax(cases, axis=1)[:, None], len(sensors), axis=1)
         labels = ("one", "two")
         run_ = WorstResponse(
             **vars(run_), labels=labels, chosen=chosen, each=each, largest=abs(run_.values),
