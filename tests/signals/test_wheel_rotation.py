@@ -2,12 +2,14 @@
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from support.known_rotation import order_of, pulse_times, shaft
 
 from torsionnet.base.errors import UsageError
+from torsionnet.signals.pulses import _gaps_in_words
 from torsionnet.signals.rotation.pulse_channel import PulseChannel
 from torsionnet.signals.rotation.wheel import Wheel, WheelPattern
 from torsionnet.signals.rotation.wheel_channel import WheelChannel
@@ -217,6 +219,18 @@ class TestStatedPatterns:
         _, angle = shaft(1200 * RPM, {4: TENTH})
         with pytest.raises(UsageError, match=f"(?s)pattern: {GAPS}.*unfit-wheel"):
             wheel_rotation(PulseChannel("n1", seen_at(angle, GAPS_AT, first=0)), wheel)
+
+    @pytest.mark.parametrize(
+        ("numbers", "counts", "told"),
+        [
+            ([10, 31, 70, 91], [1, 2, 1, 2], "; gaps return every 60 places"),
+            ([10, 31, 45, 70], [1, 2, 1, 1], ""),  # two whole turns tell it, one gap that returns does not
+        ],
+    )
+    def test_gaps_return_when_two_turns_have_them(self, numbers, counts, told):
+        missing = SimpleNamespace(after=np.arange(4), counts=np.array(counts))
+        text = _gaps_in_words(SimpleNamespace(numbers=np.array(numbers), missing=missing))
+        assert text.partition(":")[0] == told
 
     def test_lobes_are_named_in_a_question(self):
         _, angle = shaft(1200 * RPM, {1: TENTH})
