@@ -87,6 +87,14 @@ class TestFrozen:
         values[3000:3150], values[3155:3305] = values[3000], values[3155]
         assert frozen_stretches(values, RATE) == [(3000, 3149), (3155, 3304)]
 
+    def test_beside_two_that_are_shorter_but_not_beside_three(self):
+        """Fourteen samples are a tenth of 140: a signal that stands still so often is slow."""
+        values = torque()
+        values[2960:3100] = values[2960]
+        for begin, found in ((2944, [(2960, 3099)]), (2928, [(2960, 3099)]), (2912, [])):
+            values[begin : begin + 14] = values[begin]
+            assert frozen_stretches(values, RATE) == found
+
     @pytest.mark.parametrize("lines", [500, 5000])
     def test_of_a_fast_encoder(self, lines):
         values = angle(lines)
@@ -108,6 +116,7 @@ class TestFrozen:
             np.interp(TIME, [0, 2, 5, 8, 12, 14, 20], [0, 0, 10, 10, 40, 40, 0]),
             np.where(np.abs(TIME - 10) < 2, 0.0, torque()),
             np.repeat([1.0, 5.0, 2.0, 5.0], 5000),
+            np.where((TIME % 5 > 2) & (TIME % 5 < 2.2) & (TIME < 10), 3.3, torque()),
             angle(20),
             np.round(np.sin(2 * np.pi * 0.2 * TIME) * 40),
             np.round(0.45 * np.sin(2 * np.pi * 5 * TIME) + 0.3),

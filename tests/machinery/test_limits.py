@@ -377,7 +377,9 @@ class TestOtherRules:
         found = rig.check_limits().of("part")
         assert np.isfinite(found.allowed).sum() == 61
         assert "judged from 900 to 1200 rpm; the rest is outside of the table" in found.remarks
-        assert any(re.search("900 to 1200 rpm, .* 300 to 1500 rpm", str(fault)) for fault in rig.check())
+        (told,) = [fault for fault in rig.check() if fault.kind == "beyond-table"]
+        assert re.search("900 to 1200 rpm, .* 300 to 1500 rpm", str(told))
+        assert (told.path, told.on_key) == (("limits", "part", "over_speed"), True)
 
     def test_what_is_switched_off_is_not_judged(self):
         limits = {"rubber": {"rule": "coupling", "element": "rubber", "T_KW": 600},

@@ -124,6 +124,7 @@ class TestGeneratingSets:
             ({"tensile_strength": "560 MPa", "yield_strength": "280 MPa"}, 31 * (1 + 2 / 3 * 120 / 440), 118 * 280 / 225),
             ({"tensile_strength": "700 MPa"}, 31 * (1 + 2 / 3 * 150 / 440), 118),
             ({"tensile_strength": "900 MPa", "material": "alloy"}, 31 * (1 + 2 / 3 * 395 / 440), 118),
+            ({"tensile_strength": "700 MPa", "material": "carbon_manganese"}, 31 * (1 + 2 / 3 * 150 / 440), 118),
             ({"shaft": "crankshaft_in_line"}, 21, 90),
             ({"shaft": "crankshaft_other"}, 16, 90),
         ],
