@@ -118,3 +118,4 @@ def test_lines_that_rounding_puts_beside_an_end_are_among_them():
     assert 0.29 * 100 < 29
     assert Multisine(start=0.1 * 3, stop=1, period=10, periods=1).lines[0] == pytest.approx(0.3)
     assert Multisine(start=0.1, stop=0.29, period=100, periods=1).lines[-1] == pytest.approx(0.29)
+    assert Multisine(start=0.1, stop=1, period=4).lines.tolist() == [0.25, 0.5, 0.75, 1.0]
