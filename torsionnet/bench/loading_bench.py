@@ -14,9 +14,9 @@ from torsionnet.bench.bench import Bench
 from torsionnet.bench.plan.bench_checks import check_plan
 from torsionnet.bench.plan.plan import BenchFile
 from torsionnet.drivetrain import Drivetrain, load
-from torsionnet.model.files.library import decode, library_benches
-from torsionnet.model.files.located_yaml import LocatedDocument, compose
-from torsionnet.model.files.reader import find_model, located_faults, presentable_faults, read_file
+from torsionnet.model.files.library import library_benches
+from torsionnet.model.files.located_yaml import LocatedDocument
+from torsionnet.model.files.reader import find_model, located_faults, read_document, read_file
 
 
 def load_bench(bench: str | os.PathLike[str]) -> Bench:
@@ -42,7 +42,7 @@ def load_bench(bench: str | os.PathLike[str]) -> Bench:
     ('AMT test rig (II)', 1024)
     """
     path = _find(bench)
-    document = _document(path)
+    document = read_document(path)
     if isinstance(document.data, dict) and "model" in document.data and "elements" not in document.data:
         return _of_its_own(document, path)
     definition, faults = read_file(path)
@@ -64,15 +64,6 @@ def _find(bench: str | os.PathLike[str]) -> Path:
         if not Path(bench).suffix and not Path(bench).exists() and (hint := did_you_mean(bench, known)):
             raise UsageError(f'no bench is named "{bench}"{hint}', kind="unknown-name")
     return find_model(bench)
-
-
-def _document(path: Path) -> LocatedDocument:
-    try:
-        return compose(decode(path.read_bytes(), str(path)).removeprefix("\ufeff"), str(path))
-    except ModelError as error:
-        raise ModelError(presentable_faults(error.faults), path.name) from None
-    except OSError as error:
-        raise UsageError(f"{path} cannot be read: {error.strerror or error}", kind="unreadable-file") from None
 
 
 def _of_its_own(document: LocatedDocument, path: Path) -> Bench:

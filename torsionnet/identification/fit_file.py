@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.base.entries.declared import version_faults
-from torsionnet.base.errors import Fault, ModelError, UsageError, did_you_mean, fault_of, unreadable_file
+from torsionnet.base.errors import Fault, ModelError, UsageError, did_you_mean, fault_of
 from torsionnet.drivetrain import Drivetrain, load
 from torsionnet.identification.orders.order_lines import OrderData, faults_of_orders, read_order_data, shows_phases
 from torsionnet.identification.orders.parametric_orders import numbers_of_excitations
@@ -18,9 +18,8 @@ from torsionnet.identification.residuals.measurement import Measurement, set_poi
 from torsionnet.identification.residuals.measurement_blocks import record_settings, welch_settings
 from torsionnet.identification.unknown_parameter import Unknown
 from torsionnet.linear.frequency_response import FrequencyResponse
-from torsionnet.model.files.library import decode
-from torsionnet.model.files.located_yaml import LocatedDocument, compose
-from torsionnet.model.files.reader import is_file, located_faults, presentable_faults
+from torsionnet.model.files.located_yaml import LocatedDocument
+from torsionnet.model.files.reader import is_file, located_faults, read_document
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.records.recording_files import channel_names, read_even
 from torsionnet.signals.stepped_levels import SteppedStiffness
@@ -61,12 +60,7 @@ def load_fit_plan(path: str | os.PathLike[str], read_response: ReadResponse, *, 
         There is no such file.
     """
     file = Path(path)
-    try:
-        document = compose(decode(file.read_bytes(), str(file)).removeprefix("\ufeff"), str(file))
-    except OSError as error:
-        raise unreadable_file(file, error) from None
-    except ModelError as error:
-        raise ModelError(presentable_faults(error.faults), file.name) from None
+    document = read_document(file)
     reader = _Reader(document, file, read_response)
     if not ranks_alone and "parameters" not in reader.data:
         reader.faults.append(

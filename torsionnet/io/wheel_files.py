@@ -16,10 +16,8 @@ from torsionnet.base.atomic import write_text
 from torsionnet.base.entries.composite import Listed, Named, Nested, PairOf
 from torsionnet.base.entries.declared import FORMAT_VERSION, KEY, Declared, version_faults
 from torsionnet.base.entries.spec import Count, EntryError, Flag, OneOf, Schema, Spec, Text, entry
-from torsionnet.base.errors import Fault, ModelError, UsageError, got, unreadable_file
-from torsionnet.model.files.library import decode
-from torsionnet.model.files.located_yaml import compose
-from torsionnet.model.files.reader import located_faults, presentable_faults
+from torsionnet.base.errors import Fault, ModelError, UsageError, got
+from torsionnet.model.files.reader import located_faults, read_document
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.records.recording_files import pulse_names, read_even
 from torsionnet.signals.rotation.counter import PulseReading
@@ -152,12 +150,7 @@ def read_wheel_pattern(path: str | os.PathLike[str]) -> WheelPattern:
         There is no such file.
     """
     file = Path(path)
-    try:
-        document = compose(decode(file.read_bytes(), str(file)).removeprefix("\ufeff"), str(file))
-    except OSError as error:
-        raise unreadable_file(file, error) from None
-    except ModelError as error:
-        raise ModelError(presentable_faults(error.faults), file.name) from None
+    document = read_document(file)
     if not isinstance(document.data, dict):
         text = f"this is no wheel pattern; torsionnet calibrate-wheel writes one, with {KEY}: 1, teeth: and positions:"
         raise ModelError([Fault(text, position=document.position(), kind="wrong-file")], file.name)
@@ -216,12 +209,7 @@ def read_wheels(path: str | os.PathLike[str]) -> dict[str, WheelOfTest]:
     {'n1': 60}
     """
     file = Path(path)
-    try:
-        document = compose(decode(file.read_bytes(), str(file)).removeprefix("\ufeff"), str(file))
-    except OSError as error:
-        raise unreadable_file(file, error) from None
-    except ModelError as error:
-        raise ModelError(presentable_faults(error.faults), file.name) from None
+    document = read_document(file)
     wheels, faults = WHEELS.read(document.data)
     of_test: dict[str, WheelOfTest] = {}
     for name, wheel in wheels.items():

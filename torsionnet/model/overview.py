@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import html
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from torsionnet.base.entries.composite import Listed, Typed
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import NumberTable, Value
-from torsionnet.base.entries.spec import Flag, Schema, Spec
+from torsionnet.base.entries.spec import Flag, Spec
 from torsionnet.base.expressions import Expression, Number
 from torsionnet.base.number_text import screen_text
-from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table
 from torsionnet.base.units import RPM, expected_unit
 from torsionnet.model.channels import PORT_QUANTITIES, UNITS
@@ -89,8 +88,6 @@ def _listed_values(plain: Any) -> str:
 
 MOST_MATRIX_ROWS = 3
 """Largest number of rows of a matrix that a table of elements writes out."""
-MODEL_FILE: Schema = {"type": "object", "description": "a model file, see torsionnet schema"}
-"""JSON Schema of the content of a model file, which it does not check in detail."""
 MOST_ROWS = 60
 """Largest number of rows of a table in a notebook, beyond which the table is cut: a page that scrolls, and loads at
 once."""
@@ -268,31 +265,3 @@ def speeds_table(rig: Model) -> Table:
         if node in speeds or node in torques
     )
     return without_empty_columns(Table("Operating point", columns, rows))
-
-
-@dataclass(frozen=True)
-class ResolvedParameter:
-    """Value of a parameter in its SI unit, with the unit as text."""
-
-    value: float
-    unit: str
-
-
-@dataclass(frozen=True)
-class ModelRecord:
-    """Content of a model's file and its resolved values, for a program."""
-
-    title: str
-    configuration: str
-    model: Annotated[Mapping[str, object], Out(schema=MODEL_FILE)]
-    nodes: tuple[str, ...]
-    parameters: Mapping[str, ResolvedParameter]
-    mean_speeds: Annotated[Mapping[str, float], Out(json="mean_speeds_rad_per_s")]
-
-
-def model_record(rig: Model) -> ModelRecord:
-    """Record of a model's file and resolved values as plain data for a program."""
-    units = parameter_units(rig.definition)
-    parameters = {name: ResolvedParameter(value, units[name]) for name, value in rig.parameters.items()}
-    content = rig.definition.flat_data()
-    return ModelRecord(rig.title, rig.configuration, content, rig.nodes, parameters, rig.mean_speeds)

@@ -12,13 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 from torsionnet.base.entries.declared import version_faults
 from torsionnet.base.entries.spec import Json
-from torsionnet.base.errors import Fault, ModelError, UsageError, did_you_mean, unreadable_file
+from torsionnet.base.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.base.packages import NotebookResult
 from torsionnet.base.table import Column, Table
 from torsionnet.drivetrain import Drivetrain, load
-from torsionnet.model.files.library import decode, library_models, library_studies
-from torsionnet.model.files.located_yaml import LocatedDocument, compose
-from torsionnet.model.files.reader import located_faults, presentable_faults
+from torsionnet.model.files.library import library_models, library_studies
+from torsionnet.model.files.reader import located_faults, read_document
 from torsionnet.study.answers.answer import StudyAnswer
 from torsionnet.study.examined_study import answer_faults, examine_study, unknown_names_in_answers
 from torsionnet.study.quantities.evaluator import Evaluator
@@ -260,7 +259,7 @@ def load_study(path: str | os.PathLike[str]) -> Study:
     16384
     """
     file = _find(path)
-    document = _document(file)
+    document = read_document(file)
     if not isinstance(document.data, dict):
         raise ModelError(
             located_faults([*document.faults, Fault("the file describes no study", kind="wrong-file")], document),
@@ -298,15 +297,6 @@ def _find(study: str | os.PathLike[str]) -> Path:
             hint = did_you_mean(study, known) or f"; the library has {', '.join(known)}"
             raise UsageError(f'no study is named "{study}"{hint}', kind="unknown-name")
     return Path(study)
-
-
-def _document(file: Path) -> LocatedDocument:
-    try:
-        return compose(decode(file.read_bytes(), str(file)).removeprefix("\ufeff"), str(file))
-    except ModelError as error:
-        raise ModelError(presentable_faults(error.faults), file.name) from None
-    except OSError as error:
-        raise unreadable_file(file, error) from None
 
 
 def _model(name: str, folder: Path) -> tuple[Drivetrain | None, list[Fault]]:

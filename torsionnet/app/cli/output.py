@@ -15,7 +15,7 @@ from torsionnet.base.result_fields import json_schema, out_fields, record_schema
 from torsionnet.base.result_rows import NUMBER, Out
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.linear.assembly.matrices import SystemMatrices
-from torsionnet.model.overview import ModelRecord, model_record
+from torsionnet.model.checks.values import parameter_units
 from torsionnet.study.run.answering import AnsweredStudy
 from torsionnet.study.study import Study
 from torsionnet.study.study_result import StudyStatistics
@@ -98,19 +98,42 @@ def _product(coefficient: Any, name: str) -> str:
 
 # Model as ``torsionnet show --json`` prints it.
 
+MODEL_FILE: Schema = {"type": "object", "description": "a model file, see torsionnet schema"}
+"""JSON Schema of the content of a model file, which it does not check in detail."""
+
 
 @dataclass(frozen=True)
-class ShownModel(ModelRecord):
-    """Model with its values, and its equations of motion and matrices where these are asked for."""
+class ResolvedParameter:
+    """Value of a parameter in its SI unit, with the unit as text."""
 
+    value: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class ShownModel:
+    """Content of a model's file and its resolved values; equations of motion and matrices where these are asked for."""
+
+    title: str
+    configuration: str
+    model: Annotated[Mapping[str, object], Out(schema=MODEL_FILE)]
+    nodes: tuple[str, ...]
+    parameters: Mapping[str, ResolvedParameter]
+    mean_speeds: Annotated[Mapping[str, float], Out(json="mean_speeds_rad_per_s")]
     equations: Annotated[EquationsOfMotion | None, Out(optional=True)]
     matrices: Annotated[SystemMatrices | None, Out(optional=True)]
 
 
 def shown_model(rig: Drivetrain, *, equations: bool, matrices: bool) -> ShownModel:
     """Model of one configuration as plain data, for JSON."""
+    units = parameter_units(rig.definition)
     return ShownModel(
-        **vars(model_record(rig)),
+        rig.title,
+        rig.configuration,
+        model=rig.definition.flat_data(),
+        nodes=rig.nodes,
+        parameters={name: ResolvedParameter(value, units[name]) for name, value in rig.parameters.items()},
+        mean_speeds=rig.mean_speeds,
         equations=equations_of_motion(rig) if equations else None,
         matrices=static_matrices(rig) if matrices else None,
     )
@@ -168,7 +191,7 @@ OUTPUTS: dict[str, str] = {
     "bench": "list[torsionnet.app.cli.commands.bench_and_campaign:BenchRun]",
     "calibrate-wheel": "torsionnet.signals.rotation.calibration_result:WheelCalibration",
     "campaign": "torsionnet.bench.campaign.campaign_result:CampaignResult",
-    "check": "list[torsionnet.base.fault_rows:CheckRecord]",
+    "check": "list[torsionnet.base.plain_faults:CheckedModel]",
     "compare": "torsionnet.app.cli.commands.estimate:ComparedCurves|SteppedComparison without static, peaks",
     "clocks": "torsionnet.signals.rotation.clock_drift:ClockDrift",
     "critical-speeds": "list[torsionnet.machinery.criticals.critical_speeds:CriticalSpeeds]",
@@ -186,7 +209,7 @@ OUTPUTS: dict[str, str] = {
     "loops": "torsionnet.signals.torque_loops.loop_result:TorqueLoops",
     "margins": "configured[torsionnet.linear.responses.loop_margins:LoopMargins]",
     "modes": "configured[torsionnet.linear.modes.modes:Modes]",
-    "orders": "list[torsionnet.machinery.orders.orders_record:OrdersRecord]",
+    "orders": "list[torsionnet.machinery.orders.orders_over_speed:OrdersOverSpeed]",
     "periodic": "configured[torsionnet.motion.periodic.periodic_result:PeriodicResponse]",
     "sensitivity": "configured[torsionnet.linear.sensitivity.sensitivities_of_modes:ModeSensitivities]",
     "show": "list[torsionnet.app.cli.output:ShownModel]",

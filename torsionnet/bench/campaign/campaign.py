@@ -26,9 +26,8 @@ from torsionnet.io.wheel_files import read_wheel_pattern
 from torsionnet.linear.sensitivity.unknowns import unknowns
 from torsionnet.model.channels import Sensor, named_sensor
 from torsionnet.model.definition import all_nodes
-from torsionnet.model.files.library import decode, library_campaigns
-from torsionnet.model.files.located_yaml import LocatedDocument, compose
-from torsionnet.model.files.reader import is_file, located_faults, presentable_faults
+from torsionnet.model.files.library import library_campaigns
+from torsionnet.model.files.reader import is_file, located_faults, read_document
 from torsionnet.model.sections import REPORT_FAULTS
 from torsionnet.signals.rotation.turn_pattern import check_pattern
 from torsionnet.signals.rotation.wheel import WheelPattern
@@ -194,7 +193,7 @@ def load_campaign(path: str | os.PathLike[str]) -> Campaign:
     """
     file = _find(path)
     folder = Path() if file in library_campaigns().values() else file.parent
-    document = _document(file)
+    document = read_document(file)
     data: Mapping[Any, Any] = document.data if isinstance(document.data, dict) else {}
     entries, faults = CampaignFile.read_entries(data)
     faults = [*version_faults(data, "campaign"), *faults]
@@ -229,15 +228,6 @@ def _find(campaign: str | os.PathLike[str]) -> Path:
         hint = did_you_mean(campaign, known) or f"; the library has {', '.join(known)}"
         raise UsageError(f'no campaign is named "{campaign}"{hint}', kind="unknown-name")
     return Path(campaign)
-
-
-def _document(file: Path) -> LocatedDocument:
-    try:
-        return compose(decode(file.read_bytes(), str(file)).removeprefix("\ufeff"), str(file))
-    except OSError as error:
-        raise UsageError(f"{file} cannot be read: {error.strerror or error}", kind="unreadable-file") from None
-    except ModelError as error:
-        raise ModelError(presentable_faults(error.faults), file.name) from None
 
 
 def _model(name: Any, folder: Path) -> tuple[Drivetrain | None, list[Fault]]:

@@ -18,7 +18,7 @@ from torsionnet.base.table import Table, result_table
 from torsionnet.bench.campaign.campaign import Campaign
 from torsionnet.bench.campaign.estimating_responses import (
     CampaignResponse,
-    ResponseRow,
+    ComparedResponse,
     ResponseSpread,
     response_lines,
     response_rows,
@@ -270,7 +270,7 @@ class CampaignResult(NotebookResult):
         return {name: record.response for name, record in self.records.items() if record.response is not None}
 
     @property
-    def response_rows(self) -> Annotated[tuple[ResponseRow, ...], Out(json="responses")]:
+    def response_rows(self) -> Annotated[tuple[ComparedResponse, ...], Out(json="responses")]:
         """Rows of the table of responses: how far test and model are apart, for each record and output."""
         return tuple(response_rows(self.responses))
 
@@ -278,7 +278,7 @@ class CampaignResult(NotebookResult):
         """Table of the frequency responses of each record and output beside those of the model."""
         title = f"{self.campaign.title}: frequency responses of test and model"
         return result_table(
-            title, self.response_rows, ResponseRow, notes=() if self.campaign.of_orders else self.remarks
+            title, self.response_rows, ComparedResponse, notes=() if self.campaign.of_orders else self.remarks
         )
 
     def response_lines(self, conventions: Conventions = SI) -> Table:

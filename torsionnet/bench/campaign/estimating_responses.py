@@ -159,7 +159,7 @@ _UNKNOWN = (_NAN, _NAN, _NAN, _NAN, _NAN, _NAN, _NAN, _NAN)
 
 
 @dataclass(frozen=True, eq=False)
-class ResponseRow:
+class ComparedResponse:
     """Measured response of one output of a record beside the calculated one, over the lines of good coherence."""
 
     record: Annotated[str, Out("record")]
@@ -194,22 +194,22 @@ class ResponseSpread:
         return self.spread / self.stated if self.stated else float("nan")
 
 
-def response_rows(responses: Mapping[str, CampaignResponse]) -> Iterator[ResponseRow]:
+def response_rows(responses: Mapping[str, CampaignResponse]) -> Iterator[ComparedResponse]:
     """Yield a row for each record and output."""
     for record, response in responses.items():
         for measured, calculated in response.pairs():
             yield _row(record, measured, calculated, str(response.file))
 
 
-def _row(record: str, measured: FrequencyResponse, calculated: FrequencyResponse, file: str) -> ResponseRow:
+def _row(record: str, measured: FrequencyResponse, calculated: FrequencyResponse, file: str) -> ComparedResponse:
     good = comparable_lines(measured)
     names = measured.outputs[0].name, measured.inputs[0].name
     if not good.any():
-        return ResponseRow(record, *names, 0, *_UNKNOWN, file)
+        return ComparedResponse(record, *names, 0, *_UNKNOWN, file)
     test, model = at_good_lines(measured, good), at_good_lines(calculated, good)
     apart, f = difference(test, model), test.frequencies
     coherence = np.nan if measured.coherence is None else float(np.median(measured.coherence[good]))
-    return ResponseRow(
+    return ComparedResponse(
         record, *names, len(f), float(f[0]), float(f[-1]), coherence,
         float(f[np.argmax(test.magnitude)]), float(f[np.argmax(model.magnitude)]),
         _rms(apart.decibels), _rms(apart.degrees), float(frac(test, model)[0, 0]), file,

@@ -19,6 +19,7 @@ from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.base.expressions import FLOAT, ExpressionError
 from torsionnet.identification.residuals.laws_over_time import slider_torque, torque_over_time
 from torsionnet.identification.residuals.stepped_curve import (
+    LawsOnTwist,
     beside_of,
     channels_beside,
     laws_of,
@@ -27,9 +28,9 @@ from torsionnet.identification.residuals.stepped_curve import (
 )
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
-from torsionnet.linear.sensitivity.parametric import ParametricResponse, parametric_response
-from torsionnet.linear.sensitivity.unknowns import Unknowns, unknowns
-from torsionnet.model.elements import Row, Values
+from torsionnet.linear.sensitivity.parametric import parametric_response
+from torsionnet.linear.sensitivity.unknowns import unknowns
+from torsionnet.model.elements import Values
 from torsionnet.model.motion_laws.element_stiffness import stiffness_over_twists
 
 SPREAD = np.array([0.7, 1.0, 1.6])
@@ -52,43 +53,17 @@ class LinearRest:
 
 
 @dataclass(frozen=True, eq=False)
-class MotionEquation:
+class MotionEquation(LawsOnTwist):
     """Equation of motion of the twist of an element, as a function of parameters.
 
     Attributes
     ----------
-    drivetrain : AssembledModel
-    unknowns : Unknowns
-    elements : tuple of str
-        Those with laws of motion, all on one twist.
-    linear : ParametricResponse or None
-        Output, twist and measured torque over what drives and the ends of the element; None where the torque of the
-        element itself is measured over its twist.
-    row : Row
-        Twist of the element over nodes, without those that stand still.
-    spring : float
-        k_0 in N m/rad.
     drives : bool
         Whether a torque is measured, else the motion is a decay.
     """
 
-    drivetrain: AssembledModel
-    unknowns: Unknowns
-    elements: tuple[str, ...]
-    linear: ParametricResponse | None
-    row: Row
-    spring: float
     drives: bool
     unit: str = "N*m"
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        return self.unknowns.names
-
-    @property
-    def start(self) -> FloatArray:
-        """Values (n,) of the unknowns in the model as given, in SI units."""
-        return np.array(self.unknowns.start)
 
     @cached_property
     def rest_at_start(self) -> LinearRest:

@@ -62,31 +62,21 @@ class LinearBeside(OtherLaws):
 
 
 @dataclass(frozen=True, eq=False)
-class SteppedCurve:
-    """First harmonic of an output over that of a torque at the steps of a sine test, as a function of parameters.
+class LawsOnTwist:
+    """Elements with laws of motion, all on one twist, and what is linear beside them, as functions of parameters.
 
     Attributes
     ----------
     drivetrain : AssembledModel
     unknowns : Unknowns
     elements : tuple of str
-        Those with laws of motion, all on one twist.
     linear : ParametricResponse or None
-        Output, twist and measured torque over the torque that drives and those at the ends of the element; None where
-        the torque of the element itself is measured over its twist.
+        Output, twist and measured torque over what drives and torques at the ends of the element; None where the torque
+        of the element itself is measured over its twist.
     row : Row
         Twist of the element over nodes, without those that stand still.
-    frequencies, torques, mean_twists : (n,) arrays
-        Hz, N m and rad of the twist of the element at each step.
-    measured : (n,) complex array
-        Output over torque.
     spring : float
         k_0 in N m/rad.
-    unit : str
-    at_harmonics : ParametricResponse or None
-        The same as ``linear`` at harmonics of the steps, from the second on, one after the other.
-    beyond : (n,) complex array, or 0
-        What harmonics of the twist change of the complex stiffness, N m/rad.
     """
 
     drivetrain: AssembledModel
@@ -94,17 +84,7 @@ class SteppedCurve:
     elements: tuple[str, ...]
     linear: ParametricResponse | None
     row: Row
-    frequencies: FloatArray
-    torques: FloatArray
-    mean_twists: FloatArray
-    measured: ComplexArray
     spring: float
-    unit: str
-    at_harmonics: ParametricResponse | None = None
-    beyond: ComplexArray | float = 0.0
-    _known: dict[tuple[float, ...], tuple[tuple[Element, tuple[WholePart, ...], Row], ...]] = field(
-        default_factory=dict, init=False, repr=False
-    )
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -114,6 +94,34 @@ class SteppedCurve:
     def start(self) -> FloatArray:
         """Values (n,) of the unknowns in the model as given, in SI units."""
         return np.array(self.unknowns.start)
+
+
+@dataclass(frozen=True, eq=False)
+class SteppedCurve(LawsOnTwist):
+    """First harmonic of an output over that of a torque at the steps of a sine test, as a function of parameters.
+
+    Attributes
+    ----------
+    frequencies, torques, mean_twists : (n,) arrays
+        Hz, N m and rad of the twist of the element at each step.
+    measured : (n,) complex array
+        Output over torque.
+    at_harmonics : ParametricResponse or None
+        The same as ``linear`` at harmonics of the steps, from the second on, one after the other.
+    beyond : (n,) complex array, or 0
+        What harmonics of the twist change of the complex stiffness, N m/rad.
+    """
+
+    frequencies: FloatArray
+    torques: FloatArray
+    mean_twists: FloatArray
+    measured: ComplexArray
+    unit: str = "rad/(N*m)"
+    at_harmonics: ParametricResponse | None = None
+    beyond: ComplexArray | float = 0.0
+    _known: dict[tuple[float, ...], tuple[tuple[Element, tuple[WholePart, ...], Row], ...]] = field(
+        default_factory=dict, init=False, repr=False
+    )
 
     @cached_property
     def omega(self) -> FloatArray:
@@ -352,14 +360,14 @@ def stepped_curve(
     )
     spring = float(np.median(typical)) or 1.0
     drive, sensor = rig.sensors.get(output), rig.sensors.get(into)
-    common = (frequencies, torques, means, measured, spring)
+    common = (spring, frequencies, torques, means, measured)
     if sensor is not None and sensor.quantity == "torque" and sensor.of in elements:
         if drive is None or (drive.quantity, drive.of) != ("twist", sensor.of):
             text = (
                 f"the torque of {sensor.of} goes with its twist; name a sensor {{twist: {sensor.of}}}, or what drives"
             )
             raise UsageError(text, kind="unfit-channel")
-        return SteppedCurve(rig, varied, (sensor.of,), None, row, *common, "rad/(N*m)")
+        return SteppedCurve(rig, varied, (sensor.of,), None, row, *common)
     linear_rig, held = linear_beside(varied, rig, elements, row, spring)
     if (measured_in := named_output(linear_rig, output).unit) != "rad":
         text = f"steps have a twist or an angle in rad over a torque, and {output} is in {measured_in}"
@@ -372,7 +380,7 @@ def stepped_curve(
     def linear(at: FloatArray) -> ParametricResponse:
         return parametric_response(linear_rig, outputs, [driving, *held], at, varied.parameters)
 
-    curve = SteppedCurve(rig, varied, elements, linear(frequencies), held, *common, "rad/(N*m)")
+    curve = SteppedCurve(rig, varied, elements, linear(frequencies), held, *common)
     still = replace(curve, linear=linear(np.array([SLOW * frequencies.min()])))
     harmonics = linear(np.outer(np.arange(2, HARMONICS + 1), frequencies).ravel())
     return replace(curve, mean_twists=still.static_twists(means, mean_torques), at_harmonics=harmonics)

@@ -218,10 +218,10 @@ class CrossingSearch:
         required = [margin for line in lines if rule and (margin := rule.required(line.order))]
         self.widest = max([reach, *required])
         highest = max((excited_frequencies(line, self.limits)[1] for line in (*lines, *beside)), default=0.0)
-        self.over_speed = ModesOverSpeed.shared(
+        self.over_speed = ModesOverSpeed(
             drivetrain, reference, speed_range, [mode.number for mode in vibrations],
             reach=self.widest, highest=FOLLOWED_ABOVE * highest,
-        )  # fmt: skip
+        ).shared()  # fmt: skip
         self.turning = {
             node: speed
             for node, speed in speeds_by_reference(drivetrain.definition, drivetrain.exact_values, reference).items()

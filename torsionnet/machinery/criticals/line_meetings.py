@@ -361,7 +361,7 @@ def around_resonances(
     limits = float(speeds[0]), float(speeds[-1])
     # Modes well above the highest line meet none, and their curves need not be resolved.
     highest = FOLLOWED_ABOVE * max((float(np.abs(line.frequency(np.array(limits))).max()) for line in lines), default=0)
-    over_speed = ModesOverSpeed.shared(drivetrain, reference, limits, highest=highest)
+    over_speed = ModesOverSpeed(drivetrain, reference, limits, highest=highest).shared()
     if over_speed.is_speed_dependent:
         return _around(_following(over_speed, _distinct(lines)), speeds)
     with told_of_reads(None):

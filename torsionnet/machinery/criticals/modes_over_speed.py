@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, field, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
 
@@ -102,6 +102,7 @@ class CurvePiece:
         return rise, times
 
 
+@dataclass(eq=False)
 class ModesOverSpeed:
     """Vibration modes over the speed of a reference node, where parameters follow the operating point.
 
@@ -111,51 +112,40 @@ class ModesOverSpeed:
     ``highest`` (Hz) are not followed closely.
     """
 
-    def __init__(
-        self,
-        drivetrain: AssembledModel,
-        reference: str,
-        speed_range: tuple[float, float],
-        numbers: Sequence[int] = (),
-        *,
-        reach: float = 0.0,
-        highest: float = math.inf,
-    ) -> None:
-        self.drivetrain: AssembledModel = drivetrain
-        self.reference: str = reference
-        self.speed_range: tuple[float, float] = speed_range
-        self.numbers = numbers
-        self.limits = speed_range[0] * (1 - reach), speed_range[1] * (1 + reach)
-        self.highest = highest
-        self.memo = Memo()
-        self._sets: dict[float, tuple[VibrationMode, ...]] = {}
-        # Sets of modes by the values that they depend on, the same for all conditions and ranges of speeds.
-        self._solved: dict[Hashable, tuple[VibrationMode, ...]] = _recent(drivetrain).once(
-            dict, mechanics_key(drivetrain), dict, lambda _: _usual_size(drivetrain)
-        )
+    drivetrain: AssembledModel
+    reference: str
+    speed_range: tuple[float, float]
+    numbers: Sequence[int] = ()
+    _: KW_ONLY
+    reach: float = 0.0
+    highest: float = math.inf
+    memo: Memo = field(default_factory=Memo, init=False)
+    _sets: dict[float, tuple[VibrationMode, ...]] = field(default_factory=dict, init=False)
 
-    @classmethod
-    def shared(
-        cls,
-        drivetrain: AssembledModel,
-        reference: str,
-        speed_range: tuple[float, float],
-        numbers: Sequence[int] = (),
-        *,
-        reach: float = 0.0,
-        highest: float = math.inf,
-    ) -> ModesOverSpeed:
+    def shared(self) -> ModesOverSpeed:
         """Modes over speed that are followed once for all conditions that differ in excitations alone."""
         values: list[tuple[tuple[str, float], ...]] = []
-        if drivetrain.definition.follows_speed:
-            compared = np.linspace(*speed_range, COMPARED_SPEEDS)
-            values = [tuple(piece.items()) for piece in values_at_speeds(drivetrain, reference, compared)]
-        question = reference, speed_range, tuple(numbers), reach, highest, tuple(values)
-        return _recent(drivetrain).once(
-            cls,
-            (mechanics_key(drivetrain), question),
-            lambda: cls(drivetrain, reference, speed_range, numbers, reach=reach, highest=highest),
-            lambda _: _usual_size(drivetrain),
+        if self.is_speed_dependent:
+            compared = np.linspace(*self.speed_range, COMPARED_SPEEDS)
+            values = [tuple(piece.items()) for piece in values_at_speeds(self.drivetrain, self.reference, compared)]
+        question = self.reference, self.speed_range, tuple(self.numbers), self.reach, self.highest, tuple(values)
+        return _recent(self.drivetrain).once(
+            ModesOverSpeed,
+            (mechanics_key(self.drivetrain), question),
+            lambda: self,
+            lambda _: _usual_size(self.drivetrain),
+        )
+
+    @cached_property
+    def limits(self) -> tuple[float, float]:
+        """Lowest and highest speed in rad/s to which the curves reach."""
+        return self.speed_range[0] * (1 - self.reach), self.speed_range[1] * (1 + self.reach)
+
+    @cached_property
+    def _solved(self) -> dict[Hashable, tuple[VibrationMode, ...]]:
+        """Sets of modes by the values that they depend on, the same for all conditions and ranges of speeds."""
+        return _recent(self.drivetrain).once(
+            dict, mechanics_key(self.drivetrain), dict, lambda _: _usual_size(self.drivetrain)
         )
 
     @cached_property

@@ -59,6 +59,24 @@ def presentable_faults(faults: Iterable[Fault]) -> list[Fault]:
     return sorted(unique.values(), key=_reading_order)
 
 
+def read_document(file: Path) -> LocatedDocument:
+    """Content of a YAML file, with the places of its entries.
+
+    Raises
+    ------
+    ModelError
+        With every fault of its syntax.
+    UsageError
+        There is no such file.
+    """
+    try:
+        return compose(decode(file.read_bytes(), str(file)).removeprefix("\ufeff"), str(file))
+    except OSError as error:
+        raise unreadable_file(file, error) from None
+    except ModelError as error:
+        raise ModelError(presentable_faults(error.faults), file.name) from None
+
+
 def _reading_order(fault: Fault) -> tuple[int, int]:
     return (fault.position.line, fault.position.column) if fault.position else (0, 0)
 

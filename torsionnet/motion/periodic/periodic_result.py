@@ -78,8 +78,8 @@ class FoundMotion:
 
 
 @dataclass(frozen=True, eq=False)
-class PeriodicRow:
-    """Row of the table of periodic motions."""
+class PlacedMotion:
+    """Periodic motion at its frequency or speed, seen at an output."""
 
     at: Annotated[float, Out("frequency or speed", unit_of="at_unit", digits=8)]
     at_unit: Annotated[str, Out("in")]
@@ -204,14 +204,14 @@ class PeriodicResponse(SavedResult):
     def table(self, conventions: Conventions = SI) -> Table:
         """Table of all motions with extremes, stability and largest multiplier of every output."""
         title = f"{self.title}: periodic motions"
-        return result_table(title, self.rows, PeriodicRow, conventions=conventions, notes=self.sentences)
+        return result_table(title, self.rows, PlacedMotion, conventions=conventions, notes=self.sentences)
 
     @property
-    def rows(self) -> Annotated[tuple[PeriodicRow, ...], Out(json="motions")]:
+    def rows(self) -> Annotated[tuple[PlacedMotion, ...], Out(json="motions")]:
         """Rows of all motions, one for each output."""
         return tuple(self._rows())
 
-    def _rows(self) -> Iterator[PeriodicRow]:
+    def _rows(self) -> Iterator[PlacedMotion]:
         for motion in self.motions:
             periods = f"repeats after {motion.periods} periods" if motion.periods > 1 else ""
             worst = _shown(complex(motion.multipliers[0])) if len(motion.multipliers) else ""
@@ -219,7 +219,7 @@ class PeriodicResponse(SavedResult):
                 low, high = float(motion.lowest[place]), float(motion.highest[place])
                 what = motion.turn or periods
                 at, unit = self.shown(motion.at), channel.unit
-                yield PeriodicRow(
+                yield PlacedMotion(
                     at, self.unit, motion.branch + 1, what, channel.name, low, high, high - low, unit, motion.stability,
                     worst, motion.harmonics,
                 )  # fmt: skip

@@ -29,7 +29,7 @@ from torsionnet.base.result_rows import Out
 
 if TYPE_CHECKING:
     from torsionnet.base.entries.spec import Schema
-    from torsionnet.base.fault_rows import CheckRecord
+    from torsionnet.base.plain_faults import CheckedModel
     from torsionnet.base.table import Table
     from torsionnet.drivetrain import Drivetrain
 
@@ -241,10 +241,10 @@ class CheckCommand(Command):
         watch(self.models, check)
 
 
-def _records(reports: dict[str, Sequence[Fault]]) -> list[CheckRecord]:
-    from torsionnet.base.fault_rows import check_record
+def _records(reports: dict[str, Sequence[Fault]]) -> list[CheckedModel]:
+    from torsionnet.base.plain_faults import checked_model
 
-    return [check_record(model, faults) for model, faults in reports.items()]
+    return [checked_model(model, faults) for model, faults in reports.items()]
 
 
 def _lines(reports: dict[str, Sequence[Fault]]) -> Iterator[str]:

@@ -74,7 +74,7 @@ class OrdersCommand(ModelCommand):
 
     def answer(self) -> Answer:
         from torsionnet.base.conventions import Conventions
-        from torsionnet.machinery.orders.orders_record import orders_record
+        from torsionnet.machinery.orders.orders_over_speed import orders_over_speed
 
         conventions = Conventions(angle=self.angle)
         if self.measured and self.drawn != PICTURES[0]:
@@ -92,7 +92,7 @@ class OrdersCommand(ModelCommand):
         return Answer(
             screen=lambda: self._compared(runs[0], tests, fast, conventions) if tests else _shown(runs, conventions),
             data=lambda: [
-                orders_record(run, case.configuration, tests, fast.orders)
+                orders_over_speed(run, case.configuration, tests, fast.orders)
                 for case, run in zip(cases, runs, strict=True)
             ],
             csv=lambda: [("", self.combined_table(cases, [run.long_table() for run in runs]))],

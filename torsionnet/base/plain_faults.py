@@ -15,7 +15,7 @@ PATH: Schema = {"type": "array", "items": {"type": ["string", "integer"]}}
 
 
 @dataclass(frozen=True)
-class FaultRow:
+class PlainFault:
     """Fault, warning or note with its places in files."""
 
     severity: Literal["error", "warning", "note"]
@@ -30,21 +30,21 @@ class FaultRow:
 
 
 @dataclass(frozen=True)
-class CheckRecord:
+class CheckedModel:
     """Faults of one model, as ``torsionnet check --json`` prints them."""
 
     model: str
     errors: int
-    faults: tuple[FaultRow, ...]
+    faults: tuple[PlainFault, ...]
 
 
-def check_record(model: str, faults: Sequence[Fault]) -> CheckRecord:
+def checked_model(model: str, faults: Sequence[Fault]) -> CheckedModel:
     """Record of a model's name, number of errors, and faults as plain data."""
     rows = tuple(
-        FaultRow(
+        PlainFault(
             fault.severity, fault.kind, fault.text, fault.meant, fault.configuration, fault.path,  # type: ignore[arg-type]
             fault.position, fault.used_at, fault.defined_at,
         )
         for fault in faults
     )  # fmt: skip
-    return CheckRecord(model, sum(fault.severity == "error" for fault in faults), rows)
+    return CheckedModel(model, sum(fault.severity == "error" for fault in faults), rows)

@@ -79,7 +79,7 @@ class OutputOverSpeed:
 
 
 @dataclass(frozen=True, eq=False)
-class OrdersRecord:
+class OrdersOverSpeed:
     """Order responses of one configuration (SI, speeds in rpm), as ``torsionnet orders --json`` prints them."""
 
     title: str
@@ -90,18 +90,18 @@ class OrdersRecord:
     outputs: tuple[OutputOverSpeed, ...]
 
 
-def orders_record(
+def orders_over_speed(
     run: OrderResponse,
     configuration: str = "",
     tests: Mapping[str, Sequence[MeasuredOrder]] = MappingProxyType({}),
     swept: Mapping[str, Sequence[MeasuredOrder]] = MappingProxyType({}),
-) -> OrdersRecord:
+) -> OrdersOverSpeed:
     """Order responses of one configuration as plain data for JSON, amplitudes in SI units, speeds in rpm."""
     outputs = tuple(
         _output_row(run, place, tests.get(channel.name), swept.get(channel.name, ()))
         for place, channel in enumerate(run.outputs)
     )
-    return OrdersRecord(run.title, configuration, run.reference, run.rpm, run.revolutions, outputs)
+    return OrdersOverSpeed(run.title, configuration, run.reference, run.rpm, run.revolutions, outputs)
 
 
 def _output_row(
