@@ -189,10 +189,41 @@ def test_limit_that_only_an_unstable_motion_keeps_is_not_judged(monkeypatch):
     monkeypatch.setattr("torsionnet.motion.periodic.periodic_orders.SUBHARMONICS", 1)
     limits = {"gap": {"rule": "curve", "output": "torque(gap)", "value": "1 kN*m", "source": "maker"}}
     speeds = {"of": "a", "list": ["2400 rpm", "3000 rpm"], "nonlinear": "periodic"}
-    check = rattling(speeds=speeds, limits=limits).check_limits()
+    rig = rattling(speeds=speeds, limits=limits)
+    check = rig.check_limits()
     assert check.of("gap").verdict == "not judged"
     assert "at some speeds no motion was found that is stable" in check.of("gap").remarks
     assert any(note.startswith("at 2400 rpm no motion found is stable") for note in check.notes)
+    (axes,) = tn.plot.order_response(rig.order_response("twist(gap)")).axes
+    (crosses,) = [line for line in axes.lines if line.get_label() == "of no stable motion"]
+    assert crosses.get_xdata().round(6).tolist() == [2400]
+
+
+@pytest.mark.slow
+def test_study_says_where_no_motion_is_stable(monkeypatch):
+    from torsionnet.study import define, run_study
+
+    monkeypatch.setattr("torsionnet.motion.periodic.periodic_orders.SUBHARMONICS", 1)
+    limits = {"gap": {"rule": "curve", "output": "torque(gap)", "value": "1 kN*m", "source": "maker"}}
+    rig = rattling(speeds={"of": "a", "list": ["2400 rpm"], "nonlinear": "periodic"}, limits=limits)
+    asked = {"swing": {"type": "order_torque", "output": "twist(gap)"}, "used": {"type": "utilisation"}}
+    found = run_study(define(rig, {"one.inertia": {"type": "list", "values": [0.12]}}, asked))
+    assert "twist(gap): at some speeds no motion was found that is stable (1 variants)" in found.notes
+    assert np.isnan(found.values("used")).all()
+
+
+@pytest.mark.slow
+def test_speed_at_which_an_allowed_value_over_speed_is_crossed():
+    table = {"2930 rpm": 0.0076, "3300 rpm": 0.004}
+    limits = {"gap": {"rule": "curve", "output": "twist(gap)", "over_speed": table, "source": "maker"}}
+    speeds = {"of": "a", "range": "2930..3300 rpm", "step": "370 rpm", "nonlinear": "periodic"}
+    rig = rattling(speeds=speeds, limits=limits)
+    check = rig.check_limits()
+    verdict = check.of("gap")
+    above = verdict.values > verdict.allowed
+    crossed = RPM * (2930 + 370 * (0.0076 - verdict.values[above][0]) / 0.0036)
+    assert abs(check.speeds[above][0] / crossed - 1) < 1e-3
+    assert abs(check.speeds[~above][-1] / crossed - 1) < 1e-3
 
 
 def test_study_takes_the_motions_of_every_variant():

@@ -23,6 +23,8 @@ from torsionnet.signals.orders.tracked_orders import TrackedOrders
 MOST_LINES = 6
 """Largest number of orders drawn in a panel, those of largest amplitude; more could not be told apart by colour and
 dashes."""
+UNMET = "of no stable motion"
+"""Label of the crosses on values of a motion that is not met."""
 HALF_WIDTH_LABEL = 45
 """Number of letters of a label up to which two labels fit side by side in the legend."""
 
@@ -74,6 +76,7 @@ def order_response(
         sizes = response.sizes[:, :, place] * scale
         label = response.sum_label.replace(", worst", ",\nworst")
         panel.plot(response.rpm, total[:, place] * scale, color=style.INK, linewidth=2.0, label=label)
+        _cross_out(panel, response, total[:, place] * scale, style.INK)
         for number, line in enumerate(np.argsort(-sizes.max(axis=0), kind="stable")[:most].tolist()):
             panel.plot(response.rpm, sizes[:, line], label=str(response.lines[line]), **style.line_style(number))
         panel.set_ylabel(axis_label(name, unit))
@@ -83,6 +86,12 @@ def order_response(
     if len(response.rpm) > 1:
         panels[-1].set_xlim(response.rpm[0], response.rpm[-1])
     return sheet.titled(response.title if title is None else title)
+
+
+def _cross_out(axes: Axes, response: OrderResponse, sizes: FloatArray, color: object) -> None:
+    """Mark the speeds at which no motion was found that is stable."""
+    if response.unmet.any():
+        axes.plot(response.rpm[response.unmet], sizes[response.unmet], "x", color=color, label=UNMET)
 
 
 def half_ranges(
@@ -122,7 +131,8 @@ def half_ranges(
     sheet, axes = style.one_panel(3.4, ax)
     for number, (response, size) in enumerate(zip(responses, sizes, strict=True)):
         label = labels[number] if labels else response.title
-        axes.plot(response.rpm, size * scale, label=label, **style.line_style(number))
+        (line,) = axes.plot(response.rpm, size * scale, label=label, **style.line_style(number))
+        _cross_out(axes, response, size * scale, line.get_color())
     axes.set_xlabel(speed_label(responses[0].reference))
     axes.set_ylabel(axis_label(f"{channel.name}, half range", unit))
     axes.set_ylim(bottom=0)

@@ -38,6 +38,9 @@ SUMS_NOTE = "sums of lines of one frequency, with their phases, are what a test 
 PHASE_NOTE = "order h acts with cos(h phi + phase), phi the angle of the shaft of its excitation"
 """Text of the note on the phase of orders below tables."""
 
+NOT_MET = "at some speeds no motion was found that is stable"
+"""Text of the remark on values of which some are those of a motion that is not met."""
+
 
 @runtime_checkable
 class MeanValues(Protocol):

@@ -28,7 +28,7 @@ from torsionnet.machinery.limits.limit import LimitLine, merged_line
 from torsionnet.machinery.mean.mean_solution import lost_power_notes, means_of
 from torsionnet.machinery.mean.power_flow import power_flows, power_sensors
 from torsionnet.machinery.orders.order_amplitudes import summed_orders
-from torsionnet.machinery.orders.order_response import OrderResponse
+from torsionnet.machinery.orders.order_response import NOT_MET, OrderResponse
 from torsionnet.machinery.orders.refined_response import ExaminedSpeeds, merged_responses
 from torsionnet.machinery.orders.speed_refinement import refine_speeds, speeds_to_refine
 from torsionnet.machinery.orders.worst_response import WorstResponse
@@ -53,8 +53,6 @@ from torsionnet.model.operating_values import running_notes
 
 NO_CYCLE = "the shafts have no short common cycle: half ranges of the shafts are added"
 """Text of the note of a limit check whose orders repeat only after many revolutions, so that half ranges are added."""
-NOT_MET = "at some speeds no motion was found that is stable"
-"""Remark on a limit that holds, but where nothing is known of what is met."""
 RUN_IN_SHARE = 0.25
 """Share of the width of the speeds at which a limit is exceeded by which their passage begins before and ends behind
 them, where vibration is small and steady."""

@@ -10,13 +10,15 @@ import numpy as np
 
 from torsionnet.base.entries.composite import Listed
 from torsionnet.base.entries.spec import Text, entry
-from torsionnet.base.errors import Fault, UsageError, unknown_name
+from torsionnet.base.errors import Fault, SolveError, UsageError, unknown_name
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.machinery.criticals.critical_speed_search import excited_frequencies, excited_lines, order_margins
 from torsionnet.machinery.excitations.order_excitation import ORDER
 from torsionnet.machinery.excitations.speed_range import SpeedBand
+from torsionnet.machinery.orders.order_response import NOT_MET
 from torsionnet.machinery.orders.order_solution import with_motions_held
+from torsionnet.machinery.verdicts.limit_verdict import LimitVerdict
 from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
 from torsionnet.study.quantities.transfer_quantity import SpeedQuantity, speed_words, usage_faults
 from torsionnet.study.quantities.variant_block import VariantBlock
@@ -167,7 +169,7 @@ class Utilisation(SpeedQuantity):
             return
         speeds = self.at(model)
         ends = speeds[:: max(1, len(speeds) - 1)]  # what is refused is refused there, where tables end
-        yield from list(self.empty_range_faults(model)) or usage_faults(lambda: self._over(model, ends, refine=False))
+        yield from list(self.empty_range_faults(model)) or usage_faults(lambda: self._verdicts(model, ends, refine=False))
 
     @property
     def words(self) -> str:
@@ -183,17 +185,19 @@ class Utilisation(SpeedQuantity):
         return block.one_by_one(self._of)
 
     def _of(self, model: Drivetrain) -> float:
-        return self._over(model, self.at(model), refine=self.is_range(model))
+        verdicts = self._verdicts(model, self.at(model), refine=self.is_range(model))
+        if any(NOT_MET in verdict.remarks for verdict in verdicts):
+            raise SolveError(NOT_MET, kind="no-period")
+        utilisations = [verdict.utilisation[verdict.worst] for verdict in verdicts if verdict.worst is not None]
+        # A check that could not be made has no worst place and does not pass: its utilisation is not known.
+        judged = all(verdict.worst is not None or verdict.verdict == "pass" for verdict in verdicts)
+        return float(np.max(utilisations)) if utilisations and judged else float("nan")
 
-    def _over(self, model: Drivetrain, speeds: FloatArray, *, refine: bool) -> float:
+    def _verdicts(self, model: Drivetrain, speeds: FloatArray, *, refine: bool) -> Sequence[LimitVerdict]:
         check = model.check_limits(
             self.limit,
             speeds=speeds if len(speeds) else None,
             excitation=self.excitations or None,
             refine=refine,
         )
-        verdicts = [check.of(self.limit, self.criterion)] if self.limit and self.criterion else check.verdicts
-        utilisations = [verdict.utilisation[verdict.worst] for verdict in verdicts if verdict.worst is not None]
-        # A check that could not be made has no worst place and does not pass: its utilisation is not known.
-        judged = all(verdict.worst is not None or verdict.verdict == "pass" for verdict in verdicts)
-        return float(np.max(utilisations)) if utilisations and judged else float("nan")
+        return [check.of(self.limit, self.criterion)] if self.limit and self.criterion else check.verdicts

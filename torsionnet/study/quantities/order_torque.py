@@ -17,7 +17,7 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.linear.dynamic_stiffness.transfer_request import cached_request, named_output
 from torsionnet.machinery.criticals.line_meetings import around_poles
-from torsionnet.machinery.orders.order_response import OrderResponse
+from torsionnet.machinery.orders.order_response import NOT_MET, OrderResponse
 from torsionnet.machinery.orders.order_solution import OrderRequest
 from torsionnet.machinery.orders.refined_response import is_periodic
 from torsionnet.machinery.orders.speed_refinement import fill_speed_gaps, new_speeds, refine_speeds, speeds_to_refine
@@ -38,7 +38,7 @@ def order_responses(
     question = common_request(block, speeds, excitations)
     if question is None:
         for index in range(len(block)):
-            run = block.call(index, lambda model: model.order_response(output, speeds=speeds, excitation=excitations))
+            run = _single(block, index, output, speeds, excitations)
             if run is not None:
                 yield index, run
         return
@@ -53,6 +53,19 @@ def order_responses(
             gains = np.zeros((len(frequencies), *values.shape[1:]), dtype=complex)
             gains[frequencies > 0] = values
             yield index, loads.response(loads.at_lines(frequencies, gains), channels)
+
+
+def _single(
+    block: VariantBlock, index: int, output: str, speeds: FloatArray, excitations: Sequence[str] | None,
+    *, refine: bool = False,
+) -> OrderResponse | None:  # fmt: skip
+    """Order response of one variant by itself, None without one; a motion that is not stable is remarked on."""
+    run = block.call(
+        index, lambda model: model.order_response(output, speeds=speeds, excitation=excitations, refine=refine)
+    )
+    if run is not None and run.unmet.any():
+        block.remark(f"{output}: {NOT_MET}")
+    return run
 
 
 def responses_at(
@@ -104,10 +117,7 @@ def largest_orders(
     if question is None or len(speeds) < 2:
         several = len(speeds) > 1
         for index in range(len(block)):
-            run = block.call(
-                index,
-                lambda model: model.order_response(output, speeds=speeds, excitation=excitations, refine=several),
-            )
+            run = _single(block, index, output, speeds, excitations, refine=several)
             if run is not None:
                 yield index, float(sizes(run).max())
         return
