@@ -265,7 +265,8 @@ class ContactMarch:
 
         low, high = 0.0, self.look
         value, rate = at(0.0)
-        if value <= AT_BOUND * size and rate <= 0:
+        # It falls at once, unless its rate is rounding, as of friction that has just stopped.
+        if value <= AT_BOUND * size and rate * self.look < -AT_BOUND * size:
             return 0.0
         if value < 0:  # just left: it rises, and falls later on
             value = 0.0
