@@ -26,9 +26,12 @@ def _response() -> PeriodicResponse:
         _motion(30, 1.0, "on the edge: doubling", turn="doubling"),
         _motion(40, 1.0, "stable"),
     ]
-    doubled = [_motion(float(at), 1.5, "stable", 1, 2) for at in (22.0, 25.0, 28.0)]
+    # nearer to where it ends than to where it begins
+    doubled = [_motion(float(at), 1.5, "stable", 1, 2) for at in (27.0, 28.0, steps[-1])]
     channel = tn.Channel("twist", "rad")
-    return PeriodicResponse("frequency", "", 1.0, (channel,), (*single, *doubled), ("from rest", "doubled"), "rig")
+    return PeriodicResponse(
+        "frequency", "", 1.0, (channel,), (*single, *doubled), ("from rest", "doubled at 20 Hz"), "rig"
+    )
 
 
 def test_dashes_are_seen_where_motions_lie_close():
@@ -36,11 +39,11 @@ def test_dashes_are_seen_where_motions_lie_close():
     (dashed,) = [line for line in axes.lines if line.get_linestyle() == "--"]
     assert (dashed.get_xdata()[0], dashed.get_xdata()[-1]) == (20, 30)
     solid = [line.get_xdata() for line in axes.lines if line.get_linestyle() == "-"]
-    assert [[float(x[0]), float(x[-1])] for x in solid] == [[10, 20], [30, 40], [20, 28]]
+    assert [[float(x[0]), float(x[-1])] for x in solid] == [[10, 20], [30, 40], [20, 30]]
 
 
-def test_doubled_branch_begins_at_its_doubling():
+def test_doubled_branch_begins_and_ends_at_its_doublings():
     (axes,) = tn.plot.periodic_response(_response()).axes
     branch = [line for line in axes.lines if str(line.get_label()).startswith("branch 2")]
-    assert [float(x) for x in branch[0].get_xdata()] == [20, 22, 25, 28]
+    assert [float(x) for x in branch[0].get_xdata()] == [20, 27, 28, 29.9, 30]
     assert float(branch[0].get_ydata()[0]) == 1.0

@@ -64,7 +64,7 @@ def _draw_branch(
 ) -> None:
     place, scale = shown
     color = style.PALETTE[number % len(style.PALETTE)]
-    line = [*_begins(response, motions[0]), *motions]
+    line = _with_ends(response, motions)
     at = np.array([response.shown(motion.at) for motion in line])
     sizes = np.array([scale * float(motion.highest[place] - motion.lowest[place]) for motion in line])
     label: str | None = f"branch {number + 1}: {response.ways[number]}"
@@ -83,10 +83,28 @@ def _draw_branch(
         panel.plot(at[turns], sizes[turns], marker, color=color, markersize=5, fillstyle="none")
 
 
-def _begins(response: PeriodicResponse, first: FoundMotion) -> list[FoundMotion]:
-    """Doubling next to the first motion of a branch of doubled motions, at which it begins; none for other branches."""
+def _with_ends(response: PeriodicResponse, motions: list[FoundMotion]) -> list[FoundMotion]:
+    """Motions of a branch with the doublings at which it begins and ends; the same of branches that double nothing.
+
+    It ends at one where no other branch begins, if no place asked for lies between.
+    """
+    first, last = motions[0], motions[-1]
     doublings = [doubling for doubling in response.turns("doubling") if 2 * doubling.periods == first.periods]
-    return sorted(doublings, key=lambda doubling: abs(doubling.at - first.at))[:1]
+    begins = {doubling: _begun(response, doubling) for doubling in doublings}
+    own = [doubling for doubling in doublings if begins[doubling] == first.branch]
+    places = {motion.at for motion in response.motions if not motion.turn}
+    ends = [
+        doubling
+        for doubling in doublings
+        if begins[doubling] is None and not any(min(at := doubling.at, last.at) < p < max(at, last.at) for p in places)
+    ]
+    return [*own, *motions, *sorted(ends, key=lambda doubling: abs(doubling.at - last.at))[:1]]
+
+
+def _begun(response: PeriodicResponse, doubling: FoundMotion) -> int | None:
+    """Number of the branch that begins at a doubling; None of one where none begins."""
+    way = f"doubled at {response.shown(doubling.at):.8g} {response.unit}"
+    return response.ways.index(way) if way in response.ways else None
 
 
 def _dashes(motion: FoundMotion, other: FoundMotion) -> str:

@@ -169,7 +169,9 @@ class Utilisation(SpeedQuantity):
             return
         speeds = self.at(model)
         ends = speeds[:: max(1, len(speeds) - 1)]  # what is refused is refused there, where tables end
-        yield from list(self.empty_range_faults(model)) or usage_faults(lambda: self._verdicts(model, ends, refine=False))
+        yield from list(self.empty_range_faults(model)) or usage_faults(
+            lambda: self._verdicts(model, ends, refine=False)
+        )
 
     @property
     def words(self) -> str:
