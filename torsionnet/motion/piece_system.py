@@ -366,7 +366,7 @@ class _DrivenMarch:
     ) -> MotionOverTime:
         """Motion from a state z to the last sample."""
         driving, at = self.driving, self.states.at
-        motion_found = MotionOverTime(np.zeros((len(self.readings), driving.n)), (), EnergyBalance(0.0, 0.0))
+        values = np.zeros((len(self.readings), driving.n))
         k, n_sub = steps_of(rates, 1 / driving.rate, driving.n, refinement)
         length = jumped = 0.0
         energy: float | None = None
@@ -391,14 +391,14 @@ class _DrivenMarch:
                 energy = motion.energies[1]
                 if run.sample >= 0:
                     last = 1 if run.alone else run.n + 1
-                    motion_found.values[:, run.sample : run.sample + last] = parts[-1].values[:, :last]
+                    values[:, run.sample : run.sample + last] = parts[-1].values[:, :last]
                 elif run.n:
                     number = round((run.start + run.interval) * driving.rate)
                     if abs((run.start + run.interval) * driving.rate - number) < SAMPLE_SLACK:
-                        motion_found.values[:, number] = parts[-1].values[:, -1]
+                        values[:, number] = parts[-1].values[:, -1]
         events = tuple(event for part in parts for event in part.events)
         balances = [*(part.energy for part in parts), EnergyBalance(jumped, jumped)]
-        return MotionOverTime(motion_found.values, events, DeferredBalance(lambda: added_up(balances)))
+        return MotionOverTime(values, events, DeferredBalance(lambda: added_up(balances)))
 
     def _runs(self, stretch: Stretch) -> Iterator[_Run]:
         """Runs of a stretch: to the first sample in it, from there to the last one, and on to its end."""

@@ -54,6 +54,7 @@ def notes_on_criticals(subject: ReportData, peaks: ConditionPeaks, shown: Sequen
     yield from ((note,) for note in propeller_dampings(subject.normal_case, shown))
     yield from ((note,) for note in coupling_dampings(subject.normal_case, shown))
     yield from ((note,) for note in (*cancelling_sources(shown), *cancelling_cylinders(subject, shown)))
+    # What the table leaves out is bounded by one number.
     rest = [record for record in peaks.criticals if record.point is not None and record not in shown]
     if rest:
         yield (

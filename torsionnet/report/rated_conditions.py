@@ -50,10 +50,12 @@ def rated_elsewhere(subject: ReportData) -> TableBlock | None:
     normal, speed = _points(peaks.points, peaks.rated), float(peaks.points.speeds[peaks.rated])
     checks = [check for check in subject.limit_conclusion.checks if check.configuration != peaks.check.configuration]
     others = {check.configuration: points for check in checks if (points := _at(subject, check, speed))}
+    # Components in which a condition differs from the normal one, the most used first.
     used = {name: max(_used(those, name) for those in (normal, *others.values())) for name in normal}
     differing = [name for name in normal if any(_differs(those, normal, name) for those in others.values())]
     shown = _most_used(differing, used, MOST_CRITERIA)
     strongest = {key: max((_used(those, name) for name in shown), default=0.0) for key, those in others.items()}
+    # Conditions that differ in none of the components shown have no row.
     apart = [key for key, those in others.items() if any(_differs(those, normal, name) for name in shown)]
     if not apart:
         return None
@@ -129,6 +131,7 @@ def cyclic_irregularities(subject: ReportData) -> Iterator[str]:
                 continue
             run = case.drivetrain.order_response(Sensor("velocity", node), speeds=np.array([speeds.rated]))
             mean = speeds.rated * abs(float(cached_total_ratio(case.drivetrain, node, run.reference)))
+            # delta = (w_max - w_min)/w_mean, said as 1/300: the inverse is what is written.
             if swing := 2 * float(run.half_range[0, 0]):
                 conditions_by_irregularity.setdefault(f"1/{NumberText(mean / swing, DIGITS)}", []).append(
                     case.configuration

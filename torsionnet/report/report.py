@@ -276,6 +276,7 @@ def make_report(
         ),
     }
     given |= {key: values for key, values in lists.items() if values}
+    # Options given go before those of the report: section.
     given |= {"band": _band(band)} if band else {}
     given |= {} if title_block is None else {"title_block": _title_block(title_block, plan.title_block)}
     plan = replace(plan, **given)
@@ -305,6 +306,7 @@ def make_report(
     report = build(subject, __version__, progress)
     read = in_language(plan.language, read)
     if read is not None:
+        # Names of the model are never translated.
         wording = replace(read.wording, names=names_in_reports(drivetrain))
         reworded: Report = Rewording(wording).reworded(report)
         report = replace(reworded, template=read)

@@ -266,6 +266,7 @@ def engine_angle_tables(subject: ReportData, name: str) -> list[TableBlock]:
         Heading("Where it is smallest"),
     )
     worst = [int(sizes.argmax()) for _, _, _, sizes in runs]
+    # At the same speeds: what the best angles between the engines would leave there.
     least = [run.least_at(at, name) for (_, run, _, _), at in zip(runs, worst, strict=True)]
     cells: list[list[Cell]] = [
         [configuration for configuration, _, _, _ in runs],

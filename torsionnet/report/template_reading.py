@@ -170,6 +170,7 @@ def read_template(path: str | os.PathLike[str]) -> TemplateFolder:
     words, faults_of_words = _words(texts.pop(WORDS, ""), str(folder / WORDS))
     faults += faults_of_words
     read = TemplateFolder(folder, texts, images, Wording(words.texts or {}), words.language)
+    # Pages and style may load nothing from the network: documents are whole in themselves.
     faults += [fault for name in ("page.html", STYLE) for fault in _from_elsewhere(read, name)]
     faults += [fault for name in PAGES if name in texts for fault in page_faults(read, name)]
     if faults:

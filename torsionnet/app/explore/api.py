@@ -310,13 +310,13 @@ def reply(documents: Documents, path: str, body: bytes, is_closed: Callable[[], 
     """
     request = read_request(body)
     try:
-        response = _found(documents, path, request, is_closed)
+        response = _answer_to(documents, path, request, is_closed)
     except TorsionnetError as error:
         response = {"refused": fault_texts(error)}
     return json.dumps(response, separators=(",", ":"), allow_nan=False).encode()
 
 
-def _found(documents: Documents, path: str, request: PageRequest, is_closed: Callable[[], bool]) -> Answer:
+def _answer_to(documents: Documents, path: str, request: PageRequest, is_closed: Callable[[], bool]) -> Answer:
     if path in OF_THE_FILE:
         return OF_THE_FILE[path](documents, request, is_closed)
     document = documents.named(request.document)

@@ -167,6 +167,7 @@ class _Cursor:
         levels, rest = _levels(prefix)
         indent = len(prefix) - len(prefix.lstrip()) if prefix.strip() else self.column
         is_first_dash = bool(levels) and levels[0].key is None
+        # A bracket behind the key of this line: the place is within it, if it is still open.
         if levels and levels[-1].key is not None and prefix[levels[-1].value : levels[-1].value + 1] in ("{", "["):
             in_flow = self.flow(self.row, levels[-1].value, self.path_above(indent, is_first_dash), levels)
             return in_flow or self.plain((), True, self.column, is_text=True)
@@ -178,6 +179,7 @@ class _Cursor:
         if rest < len(prefix) and prefix[rest] in "{[":
             return self.flow(self.row, rest, above, levels) or self.plain((), True, self.column, is_text=True)
         path = (*above, *self.own(levels, indent))
+        # Within quotes and folded text nothing is offered.
         is_text = prefix[rest : rest + 1] in ('"', "'", "|", ">")
         if levels and levels[-1].key is not None:
             needs_blank = prefix.endswith(":")
@@ -249,6 +251,7 @@ class _Cursor:
         open_ = self.open_flow() if self.row and not by_indent else None
         if open_ is not None:
             return open_
+        # Upwards, lines that are indented less than all below them are the parents.
         for row in range(self.row - 1, -1, -1):
             if level == 0 and not is_dash:
                 break
@@ -257,6 +260,7 @@ class _Cursor:
             if not bare or bare[0] == "#":
                 continue
             indent = len(line) - len(bare)
+            # A dash may stand in the column of its parent's key: "nodes:" above "- a".
             is_parent = indent < level or (is_dash and indent == level and bare[0] != "-")
             if not is_parent:
                 continue
@@ -268,6 +272,7 @@ class _Cursor:
                     return replace(in_flow, path=(*self.path_of(row), *in_flow.path))
             if value[:1] in ("|", ">") and not by_indent:
                 return self.plain((), True, self.column, is_text=True)
+            # One line may open several levels, as "- name: {": each counts if it is left of what is below.
             for inner in reversed(levels):
                 is_above = inner.column < level or (is_dash and inner.column == level and inner.key is not None)
                 if not is_above:

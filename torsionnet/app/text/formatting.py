@@ -139,6 +139,7 @@ class _Layout:
             last -= 1
         is_text = not isinstance(node.value, (dict, list))
         sign = self.line(first)[start : start + 1]
+        # Line breaks in quotes belong to the text.
         if is_text and sign in ("'", '"'):
             self.texts |= set(range(first, last))
         rest = [number for number in range(line + 1, last + 1) if self.line(number).strip()]

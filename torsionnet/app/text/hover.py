@@ -65,6 +65,7 @@ def entry_under(names: NamesInText, offset: int) -> EntryUnder | None:
         under = EntryUnder(path, child, spec, owner, beside, span, on_key, scope)
         if on_key:
             return under
+        # Names within a part are its own.
         if len(path) == 2 and path[0] == "parts" and isinstance(child.value, Mapping):
             scope = Scope(path, child.value)
         node, owner = child, spec

@@ -171,6 +171,7 @@ def _thing(kind: str, name: str, scope: Scope, root: LocatedNode) -> Iterator[Na
         yield NameHome(kind, name, (*scope.path, section, name))
         return
     first, _, rest = name.partition(".")
+    # The first piece is a use: the rest is a name within its part.
     use = used_as(first, scope)
     if use is not None:
         yield NameHome("use", use, (*scope.path, "use", use))
@@ -179,6 +180,7 @@ def _thing(kind: str, name: str, scope: Scope, root: LocatedNode) -> Iterator[Na
         for piece in _thing(kind, rest, inner, root) if inner else ():
             yield piece._replace(start=piece.start + len(first) + 1)
         return
+    # Else the first pieces are an element, and the last names something within it.
     owner = next((piece for piece in _heads(name) if piece in scope.table("elements")), None)
     if owner is None or kind not in ("node", "element", "parameter"):
         yield NameHome(kind, name, (*scope.path, section, name))

@@ -289,7 +289,9 @@ def rename(text: str, offset: int, new: str, file: str = "", folder: Path | None
             raise UsageError(reason, kind=kind)
     if new == place.name:
         return []
+    # All places that lead to the same home, not all that are spelt alike.
     edits = [TextEdit(other.span, new) for other in names.places if other.home == place.home]
+    # Read anew, every name has to lead where it led before.
     after = NamesInText.of(edited(text, edits), file)
     if _homes(names.places, place.home, new) != Counter(other.home for other in after.places):
         raise UsageError(

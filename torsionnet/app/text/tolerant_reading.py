@@ -72,6 +72,7 @@ class _Mending:
             elif char == "#" and (self.at == 0 or text[self.at - 1].isspace()):
                 end = text.find("\n", self.at)
                 self.at = len(text) if end < 0 else end
+            # A bracket within plain text is a character of it.
             elif char in "{[" and (self.stack or self.state == "value"):
                 self.separate()
                 self.stack.append(char)
@@ -89,6 +90,7 @@ class _Mending:
                 self.quoted(char)
             else:
                 self.plain()
+        # What is still open at the end is closed.
         while self.stack:
             self.put(_CLOSING[self.stack.pop()])
 
@@ -114,6 +116,7 @@ class _Mending:
             if quote == "'":
                 content = content.replace("''", "'")
         else:
+            # A quote that is never closed holds the text up to the end of the entry, at most of the line.
             end = re.compile(r"[,\]}\n]" if self.stack else r"\n").search(self.text, start + 1)
             after = start + 1
             stop = end.start() if end else len(self.text)
@@ -280,6 +283,7 @@ class _Reading:
         line = self.lines[first]
         head = _HEAD.match(line)
         has_children = head is not None and head[3] == ":" and not _bare(line[head.end() :]) and last - first > 1
+        # Reading a block whole is dear where it fails, so that long blocks with children are parted at once.
         if last - first <= _LONGEST_WHOLE or not has_children:
             end = "\n" if last < len(self.lines) else ""
             whole = self.composed("\n".join(self.lines[first:last]) + end, first, depth)

@@ -192,10 +192,10 @@ def mean_response_of_laws(
         ]
         notes = tuple(dict.fromkeys((*mean.notes, *state.notes)))
         means.append(replace(mean, values=mean.values + np.array(own), title=drivetrain.title, notes=notes))
-    values_found = np.concatenate([part.values for part in means])
+    of_all = np.concatenate([part.values for part in means])
     notes = (*lost_power_notes(drivetrain, float(speeds[-1])), *(note for part in means for note in part.notes))
     notes = tuple(dict.fromkeys(notes))
-    return replace(means[0], speeds=speeds, values=values_found, notes=notes)
+    return replace(means[0], speeds=speeds, values=of_all, notes=notes)
 
 
 def _slip_reading(rig: AssembledModel, sensor: Sensor | None, slipping: SlippingLaw) -> float:

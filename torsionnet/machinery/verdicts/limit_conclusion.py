@@ -191,7 +191,13 @@ class LimitConclusion:
             examined,
         )  # fmt: skip
         starts = starts_findings(self.checks, self._where)
-        return (*missing, *self.left_out, *starts, *band_findings(self.checks, self._where), *self._found())
+        return (
+            *missing,
+            *self.left_out,
+            *starts,
+            *band_findings(self.checks, self._where),
+            *self._limit_findings(),
+        )
 
     @property
     def starts(self) -> str:
@@ -206,7 +212,7 @@ class LimitConclusion:
                 (check, verdict) for verdict in check.verdicts if not (verdict.absent and verdict.limit in judged)
             )
 
-    def _found(self) -> list[str]:
+    def _limit_findings(self) -> list[str]:
         failed, unjudged, restricted = self._of(FAIL), self._of(OPEN), self._restrictions()
         parts = [*self._rated_not_reached()]
         parts += [self._not_kept(name, where) for name, where in failed.items()]

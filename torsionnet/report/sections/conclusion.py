@@ -215,6 +215,7 @@ def _not_covered(subject: ReportData, limits_judged: LimitConclusion) -> Iterato
     unnamed = [name for name, limit in definition.limits.items() if _lacks_source(limit.fitted(definition.elements))]
     if unnamed:
         yield (phrase("Limits whose values have no source: {names}.", names=listed_names([*map(as_words, unnamed)])),)
+    # What several rules leave out in the same words is said once, with all their limits.
     of_rules: dict[str, dict[str, None]] = {}
     for check in limits_judged.checks:
         for text, names in check.texts().items():
@@ -311,7 +312,9 @@ def _response(subject: ReportData, pair: Pair) -> TableBlock:
     points = [static_value_and_peaks(subject, pair, response, index) for index, response in enumerate(responses)]
     static = [entries[0][1].magnitude * scale for entries in points]
     highest = [
-        max((peak for _, peak in entries[1:]), key=lambda peak: peak.magnitude, default=None) for entries in points
+        # Behind the static value stand the peaks; a response without resonance has none.
+        max((peak for _, peak in entries[1:]), key=lambda peak: peak.magnitude, default=None)
+        for entries in points
     ]
     columns = (
         Heading("Configuration"),

@@ -75,6 +75,7 @@ def equations_section(subject: ReportData) -> Section:
             "The model has {count} coordinates; its equations are given by the entries of their matrices.", count=n
         )
         return Section("equations", ("Equations of motion",), (Paragraph((lead,)), *_entries(subject)))
+    # With many forms only the first is written out; the others are folded away.
     few = subject.symbolic_equations if len(subject.symbolic_equations) <= FEW_CASES else subject.symbolic_equations[:1]
     others = subject.symbolic_equations[len(few) :]
     blocks: list[Block] = []
@@ -306,6 +307,7 @@ def kinematics_section(subject: ReportData) -> Section:
             else subject.symbolic_equations[:1]
         )
         blocks += [
+            # In symbols while the matrix fits the page, else in numbers.
             _relations(form) if _is_short_matrix(form) else _numeric(form.cases[0].drivetrain, dependent)
             for form in few
         ]

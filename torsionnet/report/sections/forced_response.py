@@ -212,6 +212,7 @@ def _output(subject: ReportData, name: str, number: int) -> list[Block]:
 
     runs = subject.order_responses
     place = runs[0].output(name)
+    # Orders are drawn where the half range is largest of all.
     worst = int(np.argmax([run.half_range[:, place].max() for run in runs]))
     shown = name if not runs[worst].title else f"{name}, {subject.cases[worst].title}".rstrip(", ")
     blocks: list[Block] = []

@@ -322,6 +322,7 @@ def _changes(tables: Sequence[MassElasticTable], names: Sequence[str], titles: C
     places: dict[str, list[str]] = {}
     values: dict[tuple[str, str, str], list[str]] = {}
     sums: dict[str, list[str]] = {}
+    # Against the first table: masses that went or came, and values that differ.
     for other, name in zip(tables[1:], names[1:], strict=True):
         now = _mass_elastic_values(other)
         absent = dict.fromkeys(about for _, about in written if (_, about) not in now)
@@ -337,6 +338,7 @@ def _changes(tables: Sequence[MassElasticTable], names: Sequence[str], titles: C
         yield (f"{text} in {titles.several(where, names)}.",)
     for total, where in sums.items():
         yield (phrase("Sum of J: {sum} in {conditions}.", sum=total, conditions=titles.several(where, names)),)
+    # The other way round, by conditions, then quantity and value: a sentence says all that they share.
     shared: dict[tuple[str, ...], dict[str, dict[str, list[str]]]] = {}
     for (quantity, about, text), changed_in in values.items():
         shared.setdefault(tuple(changed_in), {}).setdefault(quantity, {}).setdefault(text, []).append(as_words(about))

@@ -139,6 +139,7 @@ def _gravest(judged: LimitConclusion, name: str) -> list[LimitCheck]:
 
     def grave(check: LimitCheck) -> tuple[bool, float]:
         verdicts = [limit_verdict.verdict for limit_verdict in check.verdicts if limit_verdict.limit == name]
+        # Failed ones first, of these the most used first.
         return gravest(verdicts) == PASS, -np.nan_to_num(_most_used(check, name))
 
     places = sorted(range(len(judged.checks)), key=lambda place: (*grave(judged.checks[place]), place))[:MOST_CASES]
@@ -165,6 +166,7 @@ def _picture(subject: ReportData, judged: LimitConclusion, name: str, number: in
     use = [_most_used(check, name) for check in judged.checks]
     if not np.isfinite(use).any():
         return []
+    # One picture a limit, in the condition that comes nearest to what is allowed.
     check = judged.checks[int(np.nanargmax(use))]
     drawn = limit_check(replace(check, title=""), name, conventions=subject.conventions, title="")
     title = subject.titles.of(check.configuration) if len(use) > 1 else ""
@@ -267,12 +269,12 @@ def passage_section(subject: ReportData) -> Section | None:
     for barred in sorted(every, key=lambda barred: -barred.utilisation):
         if len(ranges) < MOST_RANGES and not any(_covers(other, barred) for other in ranges):
             ranges.append(barred)
-    found_blocks = [list(_range(subject, barred, number)) for number, barred in enumerate(ranges, 1)]
-    blocks = [block for some in found_blocks for block in some]
+    of_ranges = [list(_range(subject, barred, number)) for number, barred in enumerate(ranges, 1)]
+    blocks = [block for some in of_ranges for block in some]
     times = GIVEN_TIMES if subject.request.plan.passage else phrase(ASSUMED_TIMES, quick=QUICK, slow=SLOW)
     lead: list[Block] = [Paragraph((WHAT_IS_COUNTED, times))] if blocks else []
     refused = [_refused(subject, barred) for barred in refused_ranges(judged.checks)[:MOST_ROWS]]
-    missing = [_named_range(subject, barred) for barred, some in zip(ranges, found_blocks, strict=True) if not some]
+    missing = [_named_range(subject, barred) for barred, some in zip(ranges, of_ranges, strict=True) if not some]
     missing += [_named_range(subject, barred) for barred in every if barred not in ranges]
     if not blocks and not refused and not missing:
         return None
@@ -301,6 +303,7 @@ def _refused(subject: ReportData, refused: PassedRange) -> str:
     """Text of a range that must not be passed in a condition, and of the limit that forbids it."""
     advice = instruction(refused, subject.titles.of)
     scale, shown = limit_scale(advice.unit, subject.conventions)
+    # Without a limit of its own for a passage that of continuous operation holds.
     allowed = advice.allowed if math.isnan(advice.allowed_in_passing) else advice.allowed_in_passing
     return phrase(
         "{range}{where}: {limit} has {value} {unit} at {speed:.4g} rpm, {allowed} allowed",

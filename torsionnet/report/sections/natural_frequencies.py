@@ -156,6 +156,7 @@ def _compared(subject: ReportData, listed: Sequence[tuple[CountedVibration, ...]
         ],
     }
     counts: list[list[Cell]] = [[str(vibration.n_nodes) for vibration in rows] for rows in shown]
+    # Numbers of nodes are mostly those of the modes in every drivetrain, and then not said.
     if any(row != counts[0] for row in counts):
         values["Number of nodes"] = counts
     groups = []

@@ -138,6 +138,7 @@ def peaks_table(subject: ReportData, pair: Pair, responses: tuple[FrequencyRespo
     )
     rows: list[tuple[Cell, ...]] = []
     for (name, what, _), row in zip(flat, cells, strict=True):
+        # The static value begins the rows of a configuration, whose name stands there alone.
         first = not rows or what == "static value"
         rows.append((*([name if first else ""] if several else []), what, *row))
     notes = (("A negative phase is a lag. Torques are positive as their signs are given with the sensors.",),)

@@ -270,6 +270,7 @@ def title_block_xml(block: TitleTable) -> str:
     rows = []
     for row in block.rows:
         cells = [_line(part) for label, text in row for part in (run(label, properties=SOFT), breaking(text))]
+        # A field alone in its row, as a long file name, takes all its width.
         whole = len(row) == 1
         rows.append(table_row(cells, [fields[0], sum(fields[1:])] if whole else fields, spans=[1, 3] if whole else ()))
     revisions, lines = _shares(10, 12, 33, 15, 15, 15), _shares(17, 33, 17, 33)

@@ -80,6 +80,7 @@ class BenchCommand(Command):
 
         bench, degrees = load_bench(self.rig), Conventions(angle="deg")
         target = self.output_file or f"{Path(self.rig).stem}.npz"
+        # An ending that no format has is refused before the tests run.
         format_of(Path(target), "recording")
         benches = _benches(bench, self.configurations, dict(self.settings))
         results = []
@@ -87,6 +88,7 @@ class BenchCommand(Command):
             for name, tested in benches:
                 records, faults = _tested(tested, self.seed, truth=self.truth)
                 for point, record in records.items():
+                    # Names of configuration and operating point part the files; a single run keeps the name as given.
                     called = "_".join(filter(None, (name, point)))
                     path = result_path(target, called, len(benches) * len(records) if called else 1)
                     results.append(BenchRun(called, path, record, faults.get(point, ())))

@@ -86,7 +86,7 @@ class DampingCommand(RecordCommand):
 
     def answer(self) -> Answer:
         self._refuse_idle_options()
-        modes = self._found()
+        modes = self._identified()
         compared = _compared(modes, self.model, self.configuration) if self.model else None
         print_warnings(modes.notes)
         return Answer(
@@ -112,7 +112,7 @@ class DampingCommand(RecordCommand):
         if faults:
             raise WrongUsage("; ".join(faults), kind="missing-entry")
 
-    def _found(self) -> OperationalModes:
+    def _identified(self) -> OperationalModes:
         from torsionnet.modal import modes_from_ambient, modes_from_decay, modes_from_run_up
 
         if self.kind == "run-up" and _is_tracked(self.record):
@@ -123,6 +123,7 @@ class DampingCommand(RecordCommand):
                 record, self.channels[0], start=self.start, stop=self.stop, mode_count=self.mode_count, up_to=self.up_to
             )
         if self.kind == "ambient":
+            # Over this range of speeds an order of the shaft is a peak, and no mode.
             turning = None if self.speed_channel is None else _quantity(record, self.speed_channel, "velocity")
             speeds = None if turning is None else (float(turning.min()), float(turning.max()))
             return modes_from_ambient(

@@ -89,7 +89,7 @@ class EquationsCommand(ModelCommand):
                 yield case.drivetrain.symbolic().to_latex() if self.latex else equations_text(case.drivetrain)
             for place, pair in enumerate(self.pairs):
                 yield from [""] if place else []
-                function, short = self._found(case.drivetrain, pair)
+                function, short = self._functions(case.drivetrain, pair)
                 # What is not the expression is a comment, so that the whole can be pasted.
                 mark = "% " if self.latex else "# " if self.form == "python" else ""
                 yield f"{mark}{case.drivetrain.title}: {pair}"
@@ -103,11 +103,11 @@ class EquationsCommand(ModelCommand):
         if not self.pairs:
             yield equations_of_motion(case.drivetrain)
         for pair in self.pairs:
-            function, short = self._found(case.drivetrain, pair)
+            function, short = self._functions(case.drivetrain, pair)
             more = (short.changes, short.band, short.errors) if short is not None else ()
             yield WrittenTransferFunction(str(pair), self._written(function), *more)
 
-    def _found(self, rig: Drivetrain, pair: Pair) -> tuple[TransferFunction, Simplified | None]:
+    def _functions(self, rig: Drivetrain, pair: Pair) -> tuple[TransferFunction, Simplified | None]:
         symbolic = rig.symbolic()
         names = (pair.output, pair.input, pair.excitation or None)
         if self.simplify is None:

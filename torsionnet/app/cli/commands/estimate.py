@@ -373,7 +373,7 @@ class SteppedComparison:
 
 def stepped_answer(record: str, reading: RecordReading, outputs: tuple[str, ...], inputs: tuple[str, ...]) -> Answer:
     """Answer on the first harmonics at the steps of a record."""
-    stepped = _found(record, reading, outputs, inputs)
+    stepped = _steps(record, reading, outputs, inputs)
     return Answer(
         screen=lambda: [stepped.table()],
         data=lambda: stepped,
@@ -386,7 +386,7 @@ def stepped_comparison(
     record: str, reading: RecordReading, channels: tuple[str, str], drivetrain: Drivetrain, sensors: tuple[str, str]
 ) -> Answer:
     """Answer on a record over the element that two sensors of a model measure."""
-    stepped = _found(record, reading, channels[:1], channels[1:])
+    stepped = _steps(record, reading, channels[:1], channels[1:])
     element = _element(drivetrain, sensors)
     table, model = stepped.compared(drivetrain, element), stepped.model_stiffness(drivetrain, element)
     return Answer(
@@ -397,7 +397,7 @@ def stepped_comparison(
     )
 
 
-def _found(record: str, reading: RecordReading, outputs: tuple[str, ...], inputs: tuple[str, ...]) -> SteppedStiffness:
+def _steps(record: str, reading: RecordReading, outputs: tuple[str, ...], inputs: tuple[str, ...]) -> SteppedStiffness:
     from torsionnet.app.cli.record_options import load_record
     from torsionnet.signals.recording import Recording
 

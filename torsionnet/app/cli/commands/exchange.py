@@ -74,6 +74,7 @@ class ExportCommand(ModelCommand):
     def answer(self) -> Answer:
         chosen = _format(Path(self.output_file).suffix.lower(), self.form)
         more = {name: value for name in FORMAT_OPTIONS if (value := getattr(self, name)) is not None}
+        # An option of another format is refused: passed over, it would seem to have had an effect.
         for name in more:
             word, form, what = FORMAT_OPTIONS[name]
             if form != chosen:
@@ -97,6 +98,7 @@ class ExportCommand(ModelCommand):
             platforms = self._write(writers[chosen], case.drivetrain, target, more)
             if platforms:
                 message("note", f"binaries for {', '.join(platforms)}{'' if len(platforms) > 1 else ONE_PLATFORM_HINT}")
+            # What the format cannot hold is lost, and said.
             for sentence in export_losses(case.drivetrain, chosen).sentences():
                 message("note", sentence)
             print_file_written(target)

@@ -56,6 +56,7 @@ class FitCommand(Command):
         with progress("fitting", None):
             plan = load_fit_plan(self.file, read_frequency_response, ranks_alone=self.rank)
             _announce(plan)
+            # Without parameters nothing is fitted: causes are tried on the model as it is.
             if not plan.parameters:
                 return self._ranked(rank_causes(plan.model, plan.measurements, residual=_residual(plan)))
             fit = identify(plan.model, plan.measurements, plan.parameters, **plan.options)

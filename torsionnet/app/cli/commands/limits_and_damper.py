@@ -111,6 +111,7 @@ class LimitsCommand(ModelCommand):
         for engine, names in conditions_running_alone(conditions).items():
             yield f"running on {engine} alone: {'examined in ' + ', '.join(names) if names else 'not examined'}"
         yield ""
+        # The finding of a single condition is in the last line.
         worse = [check for check in overall.checks if check.verdict != PASS] if len(overall.checks) > 1 else []
         for check in worse:
             yield f"{check.configuration}: {check.finding()}"

@@ -134,6 +134,7 @@ class ReportCommand(ModelCommand):
         show("reading", 0, None, "reading the model")
         rig = load_model(self.model)
         plan = rig.definition.report
+        # A record is compared in a band of its own, else in that of the report.
         compared = (
             _band("--record-band", self.record_band) or _band("--band", self.band) or (plan.band if plan else None)
         )
@@ -148,6 +149,7 @@ class ReportCommand(ModelCommand):
         how = self.reading, averaging
         tests = [_measured(name, rig, (self.sensor, self.into), how, compared) for name in self.records]
         report = make_report(
+            # By its path, so that the document has the digest of the file; what was piped has no file.
             rig if piped else self.model,
             kind=self.kind,
             appendix=self.appendix,

@@ -109,6 +109,7 @@ class StudyCommand(Command):
                     longest=float("inf") if self.anyway else LONGEST_SECONDS * workers.processes,
                 )
             except KeyboardInterrupt:
+                # Chunks of a study are stored as they are done, so that a stop loses at most one.
                 folder = self._place
                 kept = f"what is done is in {folder}, and the same command goes on from there"
                 if folder is None:

@@ -143,6 +143,7 @@ class TrackCommand(Command):
         method = self._method()
         with progress("rotation", None) as advance:
             rotations, mark, once = self._pulses(wheels)
+            # Orders are those of the reference shaft; further shafts have orders of their own.
             mean, *more = [self._mean(name, rotations, once, advance) for name, _ in shafts]
         signals = self._signals(wheels)
         twists = [self._twist(text, list(rotations)) for text in self.twists]

@@ -120,6 +120,7 @@ class SimulateCommand(ModelCommand):
         from torsionnet.signals.formats.registry import format_of
         from torsionnet.signals.records.recording_files import write_recording
 
+        # An ending that no format has is refused before anything is simulated.
         if self.output_file:
             format_of(Path(self.output_file), "recording")
         cases = self.cases()

@@ -383,7 +383,7 @@ class ClocksCommand(Command):
         from torsionnet.signals.records.recording_files import write_recording
         from torsionnet.signals.rotation.clock_drift import ClockDrift, on_first_clock
 
-        clocks, theirs = self._found()
+        clocks, theirs = self._clocks()
         table = result_table(f"clock of {self.other} against {self.record}", [clocks], ClockDrift, notes=clocks.remarks)
         moved = on_first_clock(theirs, clocks)
         return Answer(
@@ -393,7 +393,7 @@ class ClocksCommand(Command):
             files=[(self.output_file, lambda file: write_recording(moved, file))],
         )
 
-    def _found(self) -> tuple[ClockDrift, Recording]:
+    def _clocks(self) -> tuple[ClockDrift, Recording]:
         """Clocks of both systems from what both recorded, and the whole record of the second system."""
         from torsionnet.io.wheel_files import channels_of, patterns_of, read_turning_record
         from torsionnet.signals.records.recording_files import channel_names, read_recording
@@ -414,6 +414,7 @@ class ClocksCommand(Command):
             theirs = read_recording(self.other, **self.reading.arguments)
             return replace(signal_clocks(first, second, self.channel), found_from=self.channel), theirs
 
+        # The angle of one wheel over the clock of either record: it tells the drift.
         channels = channels_of(wheels)
         ((name, _),) = channels.items()
         marks = self.reading.marks({wheel.index for wheel in channels.values()}, wheels)

@@ -293,6 +293,7 @@ _CALL = re.compile(rf"({'|'.join(ELEMENT_QUANTITIES)})\(\s*")
 def value_options(writing: Writing, spec: Spec[Any] | None) -> Iterator[CompletionOption]:
     """Options for the value that is being written."""
     word = writing.word
+    # A value alone stands for an entry of a mapping: "rate" of {rate: ...}.
     if isinstance(spec, Nested) and spec.shorthand:
         spec = dict(spec.of().specs())[spec.shorthand]
     if isinstance(spec, OneOrEach):
@@ -444,6 +445,7 @@ def _quantities(writing: Writing, spec: Spec[Any]) -> Iterator[CompletionOption]
     elif takes_parameters and not number:
         name = _NAME.search(writing.word)
         begin = name.start() if name else len(writing.word)
+        # A parameter that is the whole expression has to have the dimension of the entry; within one it may have any.
         wanted = DIMENSIONS[named] if named in DIMENSIONS and begin == 0 else None
         path, scope = writing.place.path, writing.names.scope
         is_defined_here = path[len(scope) : len(scope) + 1] == ("parameters",) or path[:1] == ("configurations",)
@@ -490,14 +492,17 @@ def _units_in_use(writing: Writing) -> tuple[str, ...]:
         if isinstance(kind, str) and parameter in raw.values() and kind in ELEMENT_TYPES:
             specs = dict(ELEMENT_TYPES[kind].specs())
             used = (getattr(specs.get(key), "dimension", None) for key, value in raw.items() if value == parameter)
+            # Where an element uses the parameter, its entry tells the dimension.
             first += [unit for of_use in used if of_use in DIMENSIONS for unit in units_of(str(of_use))]
     written = _written(_part_or_own(writing, parameter))
+    # Else the value written so far does, with the unit that it has.
     own = _dimension(written)
     if own is not None:
         first.append(re.sub(r"^[-+.\d]+(?:[eE][-+]?\d+)?\s*", "", written.strip()))
     first += [
         unit for name, of_use in DIMENSIONS.items() if own is not None and of_use == own for unit in units_of(name)
     ]
+    # Else the first letters of the name: k_1 is mostly a stiffness.
     by_name = _USUAL_LETTERS.get(parameter.partition("_")[0])
     return tuple(dict.fromkeys([*first, *(units_of(by_name) if by_name and not first else ()), *usual_units()]))
 

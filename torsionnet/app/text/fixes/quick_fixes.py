@@ -30,6 +30,7 @@ def missing_entry(place: FaultPlace) -> Iterator[TextFix]:
     if fault.kind != "missing-entry" or not fault.about:
         return
     root = written.node(())
+    # The version stands first in a file.
     if fault.about == "torsionnet" and not written.is_flow(root):
         start = written.start(root)
         yield TextFix("insert torsionnet: 1", (TextEdit(TextSpan(start, start), f"torsionnet: 1{written.line_break}"),))
@@ -39,6 +40,7 @@ def missing_entry(place: FaultPlace) -> Iterator[TextFix]:
         text = f"{written.entry_text('torsionnet', 1)}, "
         yield TextFix("insert torsionnet: 1", (TextEdit(TextSpan(first, first), text),))
         return
+    # The first example that leaves no new fault.
     for value in example_values(written.document, fault.path, fault.about):
         edit = written.insertion(fault.path, fault.about, value)
         fixes = list(place.fix(f"insert {written.entry_text(fault.about, value)}", edit))
@@ -194,6 +196,7 @@ def entries_indented(place: FaultPlace) -> Iterator[TextFix]:
         return
     keys = list(siblings.entries)
     own: list[LocatedNode] = []
+    # Entries that follow up to the next element: a value that is no mapping is none of an element's.
     for key in keys[keys.index(path[-1]) + 1 :]:
         node = siblings.entries[key]
         if node.value is None or isinstance(node.value, dict):

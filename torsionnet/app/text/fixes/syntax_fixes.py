@@ -164,6 +164,7 @@ def _bracket(here: _Break) -> Iterator[TextFix]:
     there = _Break(here.fault, opened, here.lines)
     end = max(there.content_end, min(here.offset, len(here.text))) if began else there.content_end
     inside = here.text[opened:end]
+    # A list has no keys: what follows ", key:" is meant to stand behind it.
     if close == "]":
         for gap in re.finditer(r",\s*\w+\s*:", inside):
             yield here.inserted("close with ]", opened + gap.start(), "]")
@@ -178,6 +179,7 @@ def _bracket(here: _Break) -> Iterator[TextFix]:
         before = len(here.text[: here.offset].rstrip())
         yield here.inserted("insert a comma", before, ",")
         yield here.inserted(f"close with {close}", before, close)
+    # At last the other bracket, and none: each fix is offered only if it mends the text.
     nested = "]" if close == "}" else "}"
     yield here.inserted(f"close with {nested}", there.content_end, nested)
     yield here.deleted(here.text[opened], opened, opened + 1)
