@@ -118,8 +118,10 @@ def _draw(
     first = verdicts[0]
     known = [np.nanmax(verdict.allowed) for verdict in verdicts if np.isfinite(verdict.allowed).any()]
     sizes = [float(test.measured.max()) for test in measured]
+    # One scale for values, limits and tests, by the largest of all.
     scale, unit = axis_unit(first.unit, float(max([*known, first.values.max(), *sizes])), conventions)
     for number, span in enumerate(span for verdict in verdicts for span in verdict.barred):
+        # All spans are one entry of the legend.
         label = None if number else "to be barred"
         panel.axvspan(span.low * RPM, span.high * RPM, color=style.LIMIT_COLOR, alpha=0.12, linewidth=0, label=label)
     panel.plot(
@@ -143,6 +145,7 @@ def _draw(
             linewidth=1.6,
             label=verdict.criterion,
         )
+    # A test that several criteria judge is drawn once.
     for test in {test.channel: test for test in measured}.values():
         panel.plot(test.speeds * RPM, test.measured * scale, label=f"test, {test.channel}", **DOTS)
     panel.set_title(f"{first.limit}: {first.of}, {first.quantity}", fontsize=style.FONT, color=style.INK, loc="left")

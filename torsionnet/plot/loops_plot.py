@@ -43,9 +43,11 @@ def torque_loops(
         colour = style.PALETTE[number % len(style.PALETTE)]
         twist = loop.twist * scale
         label = f"{loop.amplitude.value * scale:.3g} {conventions.unit('rad')} about {loop.mean_torque:.3g} N·m"
+        # Solid: both mean branches as one line around the loop. Dashed: the spring line fitted between them.
         around = np.r_[twist, twist[::-1]], np.r_[loop.upper, loop.lower[::-1]]
         panel.plot(*around, color=colour, linewidth=0.9, label=label)
         panel.plot(twist, loop.spring_line, color=colour, linewidth=1.3, linestyle="--")
+        # Dots where stages begin, at negative twists on the coast side.
         begins = [
             (1 if stage.side == "drive" else -1) * stage.begins.value
             for stage in loop.stages

@@ -306,6 +306,7 @@ def mac_matrix(
     axes.set_ylabel(row_label, fontsize=style.FONT)
     if max(matrix.shape) <= MOST_NUMBERS:
         for (row, column), value in np.ndenumerate(matrix):
+            # Dark fields have white numbers.
             color = style.PAPER if value > WHITE_TEXT_MAC else style.INK
             text = "-" if np.isnan(value) else f"{value:.2f}"
             axes.text(column, row, text, ha="center", va="center", fontsize=style.SMALL, color=color)

@@ -96,6 +96,7 @@ def order_overlay(
         style.legend_beside(panel)
     panels[-1].set_xlabel(speed_label(response.reference))
     everything = [order for compared in pairs.values() for order in compared]
+    # The axis holds the speeds of the test and those of the model.
     drawn = [speeds for order in everything for speeds in (order.pair.curve_speeds, order.measured.speeds)]
     fit_speeds(panels[-1], np.concatenate(drawn) * RPM)
     return sheet.titled(response.title if title is None else title)
@@ -206,7 +207,9 @@ def tracked_orders(
     if orders is None:
         largest = np.argsort(-np.abs(tracked.values).max(axis=1), kind="stable")[:most]
         orders = sorted(tracked.orders[largest].tolist())
+    # Phases are against a reference; an order whose turn within the cycle is open has none.
     phased = [order for order in orders if tracked.reference and order not in tracked.undecided]
+    # Lines go by rising speed, also where the test ran down.
     rising = np.argsort(tracked.speeds, kind="stable")
     rpm = tracked.rpm[rising]
     height, shows, shares = (5.4, ["amplitude", "phase"], [2, 1]) if phased else (3.4, ["amplitude"], [1])
@@ -229,6 +232,7 @@ def tracked_orders(
         top.fill_between(rpm, low, high, color=drawn["color"], alpha=0.2, linewidth=0)
         top.plot(rpm, size, label=f"order {order:g}", **drawn)
         if order in phased:
+            # An amplitude that its interval nearly holds may have any phase.
             clear = np.abs(values) > CLEAR_PHASE * widths
             panels[1].plot(rpm, np.where(clear, np.degrees(np.angle(values)), np.nan), **drawn | {"marker": "."})
     top.set_ylabel(axis_label(f"{tracked.name}, peak", unit))

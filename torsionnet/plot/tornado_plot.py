@@ -63,6 +63,7 @@ def tornado(
             "there is nothing to draw: none of the parameters moves these modes; choose other modes or parameters",
             kind="missing-data",
         )
+    # A parameter counts by what it moves most, over all modes drawn; the least are left out.
     size = (np.abs(result.relative_frequencies) + np.abs(result.relative_dampings))[chosen].max(axis=0)
     shown = [int(p) for p in np.argsort(-size)[:MOST_PARAMETERS] if size[p] > SHORTEST_BAR * size.max()]
     damped = any(np.abs(result.relative_dampings[place]).max() > ROUNDING for place in chosen)

@@ -79,6 +79,7 @@ def changed_expressions(definition: Definition) -> Iterator[tuple[EntryPath, Exp
                 # Elements whose torques a scenario scales stand among its entries.
                 scaled = table == SCENARIOS and inner[0] not in dict(changed.specs()) if changed else False
                 entry, *rest = ("elements", *inner) if scaled else inner
+                # In the file the entry of an element or scenario stands behind its name: "shaft.stiffness".
                 if entry in changes:
                     yield (*place, f"{name}.{entry}", *rest), expression
 
@@ -95,6 +96,7 @@ def _unfit(definition: Definition, overlay: Overlay, path: EntryPath) -> Iterato
     unknown = {key: fault for key in overlay.entries if (fault := _meaningless(definition, key, (*path, key)))}
     yield from unknown.values()
     for (table, name), changes in by_section(definition, overlay.entries).items():
+        # An alternative names an entry by what it belongs to, as in "shaft.stiffness".
         keys = {entry: (*path, f"{name}.{entry}") for entry in changes}
         if not any(f"{name}.{entry}" in unknown for entry in changes):
             for fault in _wrong_values(definition, table, name, changes):

@@ -229,6 +229,7 @@ def _bar(
     for side in sides:
         if side is None:
             continue
+        # A limit beyond an end of the bar is named there.
         if low < side * scale < high:
             bar.ax.axhline(side * scale, color=BEYOND_COLOR, linewidth=2.2)
         else:
