@@ -85,13 +85,13 @@ def sized(path):
     text = Path(path).read_text(encoding="utf-8")
     helpers = [Path(__file__).with_name(f"{name}.py") for name in _IMPORTED.findall(text)]
     asked = {"campaigns", "examples"} if "campaigns" in text else set()
-    found = {name for name in asked.union(*map(sized, helpers)) if name in text}
-    if not found:  # reading all files as syntax would take a second
+    names = {name for name in asked.union(*map(sized, helpers)) if name in text}
+    if not names:  # reading all files as syntax would take a second
         return frozenset()
     words = {name: used for node in ast.parse(text).body for name, used in _words(node)}
-    while more := {name for name, used in words.items() if used & found} - found:
-        found |= more
-    return frozenset(found)
+    while more := {name for name, used in words.items() if used & names} - names:
+        names |= more
+    return frozenset(names)
 
 
 def _words(node):

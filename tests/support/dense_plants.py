@@ -150,16 +150,16 @@ class Running:
                    "spread": {"spread": 0.1}}.get(self.fault, {})  # fmt: skip
         screw = {"type": "propeller", "node": f"n{self.prop}", "blades": 3, "torque": 500, "rated": 30,
                  "blade_orders": {1: {"share": 0.3, "phase": 0.4}, 2: {"share": 0.1, "phase": -1}}}  # fmt: skip
-        found = {"engine": engine, "screw": screw}
-        found["shaker"] = {"type": "harmonic", "node": f"n{self.shaken}", "speed_of": "n0",
+        sources = {"engine": engine, "screw": screw}
+        sources["shaker"] = {"type": "harmonic", "node": f"n{self.shaken}", "speed_of": "n0",
                            "orders": {2: {"amplitude": 70, "phase": 1}}}  # fmt: skip
         if self.held is not None:
-            found["held"] = {"type": "harmonic", "node": f"n{self.held}", "orders": {1: {"angle": 1e-3, "phase": 2}}}
+            sources["held"] = {"type": "harmonic", "node": f"n{self.held}", "orders": {1: {"angle": 1e-3, "phase": 2}}}
         for name in self.meshes[:1]:
             node = f"n{int(np.flatnonzero(self.dense.rows[name][1])[1])}"  # the second wheel of the gear
-            found["teeth"] = {"type": "gear_mesh", "mesh": name, "speed_of": node, "teeth": 5,
+            sources["teeth"] = {"type": "gear_mesh", "mesh": name, "speed_of": node, "teeth": 5,
                               "transmission_error": {1: {"angle": 2e-4, "phase": 0.5}}}  # fmt: skip
-        return found
+        return sources
 
     def plant(self):
         dense = self.dense
@@ -171,11 +171,11 @@ class Running:
         """Every line: (excitation, relative order, torques by node, imposed angles, twists)."""
         d, entries = self.dense, self.excitations()
         sense, relative = np.sign(self.relative), [Fraction(one).limit_denominator(10**5) for one in self.relative]
-        found = []
+        lines = []
 
         def line(name, order, shaft, torque=None, held=(), twists=()):
             load = np.zeros(d.n, dtype=complex) if torque is None else torque
-            found.append((name, Fraction(order) * abs(relative[shaft]), load, held, twists))
+            lines.append((name, Fraction(order) * abs(relative[shaft]), load, held, twists))
 
         own = speed * abs(self.relative[0])
         orders, fired, inertia = cylinder(*self.sizes, self.cycle, self.fired, own)
@@ -203,16 +203,16 @@ class Running:
             wheel = int(np.flatnonzero(row)[1])
             error = 2e-4 * np.exp(0.5j) * row[wheel] * sense[wheel]
             line("teeth", 5, wheel, twists=((self.meshes[0], error),))
-        return found
+        return lines
 
     def responses(self, speed, **case):
         """Relative orders, names, angles (n_lines, n) and torques by element (n_lines,)."""
-        d, found = self.dense, self.lines(speed, **case)
+        d, lines = self.dense, self.lines(speed, **case)
         angles, torques = [], {name: [] for name in d.rows}
-        for _, order, torque, held, twists in found:
+        for _, order, torque, held, twists in lines:
             omega = float(order) * speed
             still = ((self.held, 0.0),) if self.held is not None and not held else ()
             angles.append(d.angles(omega, torque, (*held, *still), twists))
             for name, those in torques.items():
                 those.append(d.torque_in(name, omega, angles[-1], dict(twists).get(name, 0.0)))
-        return found, np.array(angles), {name: np.array(those) for name, those in torques.items()}
+        return lines, np.array(angles), {name: np.array(those) for name, those in torques.items()}

@@ -106,8 +106,8 @@ def ready(found):
 @contextmanager
 def writing_on(chromium, server, **options):
     """The page of a server; afterwards nothing was said on its console and nothing asked of anyone else."""
-    with visit(chromium, server.address, **({"viewport": WIDE} | options)) as found:
-        yield ready(found)
-        assert found.console == [], found.console
-        asked = {urlsplit(url).netloc for url in found.requests if not url.startswith(("blob:", "data:"))}
+    with visit(chromium, server.address, **({"viewport": WIDE} | options)) as page:
+        yield ready(page)
+        assert page.console == [], page.console
+        asked = {urlsplit(url).netloc for url in page.requests if not url.startswith(("blob:", "data:"))}
         assert asked == {urlsplit(server.address).netloc}

@@ -256,8 +256,8 @@ def harmonics():
     from torsionnet.signals.order_tracking import sweep_harmonics
 
     t = np.arange(8000) / 500
-    found = Recording((Signal("T", "torque", np.cos(2 * np.pi * (5 * t + t**2 / 4))),), 500)
-    return sweep_harmonics(found, "T", 5 + t / 2, (1, 2))
+    sweep = Recording((Signal("T", "torque", np.cos(2 * np.pi * (5 * t + t**2 / 4))),), 500)
+    return sweep_harmonics(sweep, "T", 5 + t / 2, (1, 2))
 
 
 @cache

@@ -103,5 +103,5 @@ def _told(command: str) -> list[tuple[str, str]]:
     program, *words = shlex.split(command)
     assert program == "torsionnet"
     result = runner().invoke(app, words)  # type: ignore[no-untyped-call]
-    found = re.findall(r"^(?:.*?: )?(?:[Ee]rror|warning): (.*) \[([a-z-]+)\]$", result.output, re.MULTILINE)
-    return [(kind, message) for message, kind in found]
+    told = re.findall(r"^(?:.*?: )?(?:[Ee]rror|warning): (.*) \[([a-z-]+)\]$", result.output, re.MULTILINE)
+    return [(kind, message) for message, kind in told]

@@ -110,9 +110,9 @@ class Host:
 
     def run(self, times, inputs, told=False):
         """Outputs (n, n_out) at ``times`` under inputs (n, n_in) there; ``told`` gives the host's slopes as well."""
-        found = []
+        outputs = []
         for number, time in enumerate(times):
-            found.append(self.get())
+            outputs.append(self.get())
             if number + 1 == len(times):
                 break
             self.set(dict(zip(self.inputs, inputs[number], strict=True)))
@@ -121,9 +121,9 @@ class Host:
                 rise = (inputs[number + 1] - inputs[number]) / size
                 self.slopes(dict(zip(self.inputs, map(float, rise), strict=True)))
             if not number:
-                found[0] = self.get()
+                outputs[0] = self.get()
             self.step(time, size)
-        return np.array(found)
+        return np.array(outputs)
 
     def integrate(self, times, torque, tolerance=1e-10):
         """Outputs (n, n_out) of model exchange under ``torque(time)``, a function to an array (n_in,)."""
@@ -148,8 +148,8 @@ class Host:
         solution = scipy.integrate.solve_ivp(
             rates, (times[0], times[-1]), np.zeros(n), "DOP853", times, rtol=tolerance, atol=1e-16
         )
-        found = []
+        outputs = []
         for time, x in zip(times, solution.y.T, strict=True):
             at(time, x)
-            found.append(self.get())
-        return np.array(found)
+            outputs.append(self.get())
+        return np.array(outputs)

@@ -40,11 +40,11 @@ def matlab_73(path):
 def damaged(raw, seed):
     """Some bytes changed, mostly at the beginning where the structure is, or the end cut off."""
     chance = random.Random(seed)
-    found = bytearray(raw)
+    damaged_bytes = bytearray(raw)
     for _ in range(chance.randint(1, 6)):
-        where = len(found) if chance.random() < 0.5 else min(len(found), 2000)
-        found[chance.randrange(where)] = chance.choice([chance.randrange(256), 0, 1, 127, 128, 255])
-    return bytes(found[: chance.randrange(len(found))] if chance.random() < 0.15 else found)
+        where = len(damaged_bytes) if chance.random() < 0.5 else min(len(damaged_bytes), 2000)
+        damaged_bytes[chance.randrange(where)] = chance.choice([chance.randrange(256), 0, 1, 127, 128, 255])
+    return bytes(damaged_bytes[: chance.randrange(len(damaged_bytes))] if chance.random() < 0.15 else damaged_bytes)
 
 
 def mat_variable(name, dimensions, kind=6, length=None):

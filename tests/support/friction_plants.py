@@ -35,11 +35,11 @@ class RubbingPlant:
     speeds: list[float]
 
     def row(self, i, j):
-        found = np.zeros(len(self.inertias))
-        found[i] = 1.0
+        row = np.zeros(len(self.inertias))
+        row[i] = 1.0
         if j >= 0:
-            found[j] = -1.0
-        return found
+            row[j] = -1.0
+        return row
 
     def drivetrain(self, beside=()):
         """Drivetrain, in which frictions that hold so many times as much stand in series behind each friction."""

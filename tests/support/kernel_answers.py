@@ -44,19 +44,19 @@ def controlled(count):
 
 def answers(size):
     """Kinds of modes, poles in rad/s, responses of each node to a torque on the first one, by the name of the model."""
-    found = {}
+    by_name = {}
     random_ones, controlled_ones = SIZES[size]
     for name, rig in (*library(size == "many"), *drawn(random_ones), *controlled(controlled_ones)):
         nodes = [node for node in rig.nodes if node != "ground"]
         f = np.geomspace(0.3, 300, 7)
         try:
             modes = rig.modes()
-            found[f"{name}: kinds"] = np.array(sorted(modes.kinds))
-            found[f"{name}: poles"] = modes.eigenvalues
-            found[f"{name}: responses"] = rig.frequency_response(nodes, nodes[:1], f).values
+            by_name[f"{name}: kinds"] = np.array(sorted(modes.kinds))
+            by_name[f"{name}: poles"] = modes.eigenvalues
+            by_name[f"{name}: responses"] = rig.frequency_response(nodes, nodes[:1], f).values
         except tn.TorsionnetError as refused:
-            found[f"{name}: refused"] = np.array(str(refused))
-    return found
+            by_name[f"{name}: refused"] = np.array(str(refused))
+    return by_name
 
 
 def answers_with(size, environment):

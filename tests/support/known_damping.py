@@ -28,9 +28,9 @@ def swept(rate, first=8.0, last=36.0, *, f0=F0, zeta=ZETA, order=1.0, power=0, s
 
     start = np.exp(1j * phase) * (first / f0) ** power / (1 - (first / f0) ** 2 + 2j * zeta * first / f0)
     start = [start.real, (2j * np.pi * first * start).real]
-    found = solve_ivp(slope, (0, times[-1]), start, t_eval=times, rtol=1e-8, atol=1e-9, method="DOP853")
+    solution = solve_ivp(slope, (0, times[-1]), start, t_eval=times, rtol=1e-8, atol=1e-9, method="DOP853")
     speed = 2 * np.pi * (first + rate * times) / order
-    return Recording((Signal("T", "torque", found.y[0]), Signal("n", "velocity", speed)), sampling)
+    return Recording((Signal("T", "torque", solution.y[0]), Signal("n", "velocity", speed)), sampling)
 
 
 def two_light_modes(rate=200):

@@ -127,7 +127,7 @@ class Flow:
         from scipy.integrate import solve_ivp
 
         pieces = [law.piece(*one) for law, one in zip(self.laws, self._motions(y), strict=True)]
-        t, end, found = 0.0, periods / self.frequency, []
+        t, end, solutions = 0.0, periods / self.frequency, []
         while t < end:
             events, follows = [], []
             for place, (law, piece) in enumerate(zip(self.laws, pieces, strict=True)):
@@ -140,17 +140,17 @@ class Flow:
                     events.append(event)
                     follows.append((place, following))
             size = max(np.abs(y).max(), 1e-6)
-            found.append(
+            solutions.append(
                 solve_ivp(
                     lambda t, y, pieces=tuple(pieces): self._rates(t, y, pieces), (t, end), y, method="DOP853",
                     rtol=self.tolerance, atol=1e-2 * self.tolerance * size, events=events, dense_output=True,
                 )
             )  # fmt: skip
-            t, y = float(found[-1].t[-1]), found[-1].y[:, -1]
-            for (place, following), times in zip(follows, found[-1].t_events, strict=True):
+            t, y = float(solutions[-1].t[-1]), solutions[-1].y[:, -1]
+            for (place, following), times in zip(follows, solutions[-1].t_events, strict=True):
                 if len(times):
                     pieces[place] = following
-        return found
+        return solutions
 
     def end(self, y: np.ndarray, periods: int = 1) -> np.ndarray:
         """State after so many periods of the torques."""
@@ -163,8 +163,8 @@ class Flow:
         columns = [
             (self.end(y + step, periods) - self.end(y - step, periods)) / (2 * step.max()) for step in np.diag(steps)
         ]
-        found = np.linalg.eigvals(np.array(columns).T)
-        return found[np.argsort(-np.abs(found))]
+        multipliers = np.linalg.eigvals(np.array(columns).T)
+        return multipliers[np.argsort(-np.abs(multipliers))]
 
     def extremes(self, y: np.ndarray, row: Sequence[float], periods: int = 1) -> tuple[float, float]:
         """Lowest and highest value of a row of the coordinates, from parabolas through samples."""

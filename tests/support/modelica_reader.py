@@ -81,9 +81,9 @@ class Model:
                     continue
         self.connects, self.equations = [], []
         for line in lines[cut + 1 : -2]:
-            found = re.fullmatch(r"connect\(([\w.]+), ([\w.]+)\);", line)
-            if found:
-                self.connects.append(found.groups())
+            joined = re.fullmatch(r"connect\(([\w.]+), ([\w.]+)\);", line)
+            if joined:
+                self.connects.append(joined.groups())
             else:
                 self.equations.append(re.fullmatch(r"(\w+) = (.*);", line).groups())
 
@@ -208,5 +208,7 @@ class Model:
         second = (samples[1.0] + samples[-1.0]) / 2 - zero
         first = (samples[1.0] - samples[-1.0]) / 2
         one, none = np.eye(len(zero)), np.zeros_like(zero)
-        found = eig(np.block([[none, one], [-zero, -first]]), np.block([[one, none], [none, second]]), right=False)
-        return found[np.isfinite(found) & (np.abs(found) < 1e9)]
+        eigenvalues = eig(
+            np.block([[none, one], [-zero, -first]]), np.block([[one, none], [none, second]]), right=False
+        )
+        return eigenvalues[np.isfinite(eigenvalues) & (np.abs(eigenvalues) < 1e9)]

@@ -79,8 +79,8 @@ class _Law:
 def dense_parts(drivetrain):
     """Matrices M, C, K (n, n), rows of constraints, and laws of motion (owner, law, row) over the nodes."""
     value = Values(drivetrain.exact_values, FLOAT)
-    found = [(element.name, part) for element in drivetrain.definition.active for part in element.whole_parts(value)]
-    nodes = tuple(sorted({node for _, part in found for node in part.row}))
+    parts = [(element.name, part) for element in drivetrain.definition.active for part in element.whole_parts(value)]
+    nodes = tuple(sorted({node for _, part in parts for node in part.row}))
     n = len(nodes)
 
     def dense(row):
@@ -91,7 +91,7 @@ def dense_parts(drivetrain):
 
     M, C, K = np.zeros((3, n, n))  # views, which the laws add to
     held, laws = [], []
-    for owner, part in found:
+    for owner, part in parts:
         row = dense(part.row)
         if isinstance(part, Constraint):
             held.append(row)
@@ -176,13 +176,13 @@ class _Plant:
                 stuck.append(law)
             else:
                 free -= law.b * law.torque(law.b @ a, law.b @ v)
-        found = self.inverse @ free
+        free_motion = self.inverse @ free
         if not stuck:
-            return found, {}
+            return free_motion, {}
         B = np.array([law.b for law in stuck]).T
         across = self.inverse @ B
-        torques = np.linalg.solve(B.T @ across, B.T @ found)
-        return found - across @ torques, dict(zip(map(id, stuck), torques, strict=True))
+        torques = np.linalg.solve(B.T @ across, B.T @ free_motion)
+        return free_motion - across @ torques, dict(zip(map(id, stuck), torques, strict=True))
 
     def rates(self, t, y, yp):
         n = self.n
@@ -201,23 +201,23 @@ class _Plant:
 
     def guards(self):
         """Functions of (t, y, held torques), their direction, the law and what happens at their zero."""
-        found = []
+        guards = []
         for law in self.laws:
             if law.holds:
                 low, high = law.scale * float(law.now.low), law.scale * float(law.now.high)
-                found += [(self._held(law, high), 1, law, "above"), (self._held(law, low), -1, law, "below")]
+                guards += [(self._held(law, high), 1, law, "above"), (self._held(law, low), -1, law, "below")]
                 continue
             at = self._twist if law.over == "twist" else self._rate
             if law.now.upper is not None:
-                found.append((at(law, float(law.now.upper)), 1, law, "above"))
+                guards.append((at(law, float(law.now.upper)), 1, law, "above"))
             if law.now.lower is not None:
-                found.append((at(law, float(law.now.lower)), -1, law, "below"))
+                guards.append((at(law, float(law.now.lower)), -1, law, "below"))
             if law.over == "twist":
-                found.append((self._rate(law, 0.0), 0, law, "turn"))
+                guards.append((self._rate(law, 0.0), 0, law, "turn"))
                 if law.now.side and law.now.damping:
                     way = -1 if law.pushes else 1
-                    found.append((self._pushing(law), way, law, "part" if law.pushes else "push"))
-        return found
+                    guards.append((self._pushing(law), way, law, "part" if law.pushes else "push"))
+        return guards
 
     def _held(self, law, limit):
         if law.slider is not None:
@@ -317,15 +317,15 @@ def _stretch(plant, t, y, stops):
                    max_num_steps=10_000_000, **options)  # fmt: skip
     # two times would ask for every step
     whole = [t, *stops] if len(stops) > 1 else [t, (t + stops[0]) / 2, stops[0]]
-    found = solver.solve(whole, y)
-    if found.status < 0:
-        raise RuntimeError(found.message)
+    solved = solver.solve(whole, y)
+    if solved.status < 0:
+        raise RuntimeError(solved.message)
     wanted = set(stops)
-    reached = [(one, np.array(state)) for one, state in zip(found.t.tolist(), found.y, strict=True) if one in wanted]
-    if guards and found.i_events is not None and len(found.i_events):
-        fired = [guards[place][2:] for place in np.flatnonzero(found.i_events[-1])]
-        at = float(found.t_events[-1])
-        return [one for one in reached if one[0] < at], at, np.array(found.y_events[-1]), fired
+    reached = [(one, np.array(state)) for one, state in zip(solved.t.tolist(), solved.y, strict=True) if one in wanted]
+    if guards and solved.i_events is not None and len(solved.i_events):
+        fired = [guards[place][2:] for place in np.flatnonzero(solved.i_events[-1])]
+        at = float(solved.t_events[-1])
+        return [one for one in reached if one[0] < at], at, np.array(solved.y_events[-1]), fired
     return reached, *reached[-1], []
 
 

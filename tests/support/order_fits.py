@@ -75,7 +75,7 @@ def dense_orders(output="T_cpl", misfire=None, corrections=None, speeds=SPEEDS, 
     area_radius = np.pi * BORE**2 / 4 * STROKE / 2
     first, second = TWISTS[output]
     k, c = springs[first], dampers[first]
-    found = np.zeros((len(HARMONICS), len(speeds)), dtype=complex)
+    torques = np.zeros((len(HARMONICS), len(speeds)), dtype=complex)
     for place, (order, (size, phase)) in enumerate(HARMONICS.items()):
         torque = np.zeros(9, dtype=complex)
         for position, cylinder in enumerate(FIRING):
@@ -86,8 +86,8 @@ def dense_orders(output="T_cpl", misfire=None, corrections=None, speeds=SPEEDS, 
         for at, speed in enumerate(speeds):
             omega = order * speed
             motion = np.linalg.solve(K + 1j * omega * C - omega**2 * M, torque)
-            found[place, at] = (k + 1j * omega * c) * (motion[first] - motion[second])
-    return found
+            torques[place, at] = (k + 1j * omega * c) * (motion[first] - motion[second])
+    return torques
 
 
 def tracked(values, sigma, seed, output="T_cpl", reference="top dead centre of cylinder 1", turned=0.0, speeds=SPEEDS):

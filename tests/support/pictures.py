@@ -71,17 +71,17 @@ def crossed(figure):
         (text.get_text(), text.get_window_extent(renderer).transformed(back).padded(-1.0))
         for text in figure.axes[0].texts
     ]
-    found = []
+    texts_crossed = []
     for patch in figure.axes[0].patches:
         path, around = patch.get_path(), patch.get_path().get_extents()
-        found += [
+        texts_crossed += [
             text
             for text, box in boxes
             if meet(around, box)  # far quicker to say, and nearly always no
             and path.intersects_bbox(box, filled=patch.get_fill())
             and not (patch.get_fill() and contains(around, box))
         ]
-    return found
+    return texts_crossed
 
 
 def meet(one, other):

@@ -32,19 +32,19 @@ def document_faults(text: str) -> list[str]:
     """Sentences on what in a document in Markdown does not follow from its own printed digits; empty if all does."""
     text = text.replace("\N{NO-BREAK SPACE}", " ")
     tables = printed_tables(text)
-    found: list[str] = []
+    faults: list[str] = []
     for table in tables:
         for check in (holzer_faults, sum_faults, utilisation_faults, power_faults, speed_margin_faults):
-            found += [f"{table.caption}: {fault}" for fault in check(table)]
-    found += range_faults(text, tables)
-    found += twice_faults(tables)
-    found += unit_faults(tables)
-    found += distance_faults(text, tables)
-    found += repeated_faults(tables)
-    found += made_faults(tables)
-    found += rated_stress_faults(tables)
-    found += rated_condition_faults(tables)
-    return found
+            faults += [f"{table.caption}: {fault}" for fault in check(table)]
+    faults += range_faults(text, tables)
+    faults += twice_faults(tables)
+    faults += unit_faults(tables)
+    faults += distance_faults(text, tables)
+    faults += repeated_faults(tables)
+    faults += made_faults(tables)
+    faults += rated_stress_faults(tables)
+    faults += rated_condition_faults(tables)
+    return faults
 
 
 def _differs(what: str, printed: Printed, expected: Printed) -> Iterator[str]:
@@ -228,8 +228,8 @@ def _condition(table: PrintedTable, row: PrintedRow) -> str:
 
 def _in_si(row: PrintedRow, *heads: str) -> Printed | None:
     """Number of a row whose unit may stand behind the name of its component, in the unit without prefix."""
-    found, match = row.number(*heads, trimmed=True), re.search(r", (\S+)$", row.text("Component"))
-    return found.times(SI.get(match[1], 1.0)) if found is not None and match else found
+    number, match = row.number(*heads, trimmed=True), re.search(r", (\S+)$", row.text("Component"))
+    return number.times(SI.get(match[1], 1.0)) if number is not None and match else number
 
 
 def _component(row: PrintedRow, names: Sequence[str]) -> str:
@@ -254,9 +254,9 @@ def unit_faults(tables: Sequence[PrintedTable]) -> Iterator[str]:
             unit, component = row.text("Unit"), row.text("Limit").partition(",")[0]
             if unit in SI and (component, unit.lstrip("kM")) in units:
                 units[component, unit.lstrip("kM")].add(unit)
-    for (component, _), found in units.items():
-        if len(found) > 1:
-            yield f"{component} is told in {', '.join(sorted(found))}"
+    for (component, _), units_told in units.items():
+        if len(units_told) > 1:
+            yield f"{component} is told in {', '.join(sorted(units_told))}"
 
 
 def distance_faults(text: str, tables: Sequence[PrintedTable]) -> Iterator[str]:
@@ -269,8 +269,8 @@ def distance_faults(text: str, tables: Sequence[PrintedTable]) -> Iterator[str]:
     told: set[str] = set()
     for table in tables:
         for row in table.rows:
-            if (found := row.number("Critical speed")) is not None:
-                speeds.setdefault(row.text("Order").partition(",")[0], []).append(found)
+            if (critical := row.number("Critical speed")) is not None:
+                speeds.setdefault(row.text("Order").partition(",")[0], []).append(critical)
     for order, share in re.findall(r"([^;]+?), mode \d+: \+?([−\d.]+)\s%", sentence[1]):
         printed = Printed.read(share)
         expected = [

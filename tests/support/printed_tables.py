@@ -93,8 +93,8 @@ class PrintedRow:
         if head is None:
             return None
         at = self.heads.index(head)
-        found = Printed.read(self.cells[at], digits, trimmed=trimmed)
-        return None if found is None else found.times(SI.get(self.units[at] or self.text("Unit"), 1.0))
+        number = Printed.read(self.cells[at], digits, trimmed=trimmed)
+        return None if number is None else number.times(SI.get(self.units[at] or self.text("Unit"), 1.0))
 
     def unit(self, head: str) -> str:
         """Unit of a column, from its heading or from the column of units."""
@@ -119,10 +119,10 @@ class PrintedTable:
 
     def groups(self) -> list[list[PrintedRow]]:
         """Rows by the title of their group, in their order."""
-        found: dict[str, list[PrintedRow]] = {}
+        by_title: dict[str, list[PrintedRow]] = {}
         for row in self.rows:
-            found.setdefault(row.group, []).append(row)
-        return list(found.values())
+            by_title.setdefault(row.group, []).append(row)
+        return list(by_title.values())
 
 
 def printed_tables(text: str) -> list[PrintedTable]:

@@ -16,16 +16,16 @@ from torsionnet.report.document_tree import (
 def blocks(report, name):
     """Every block of a section, those of sections in it included; numbers in its tables are aligned."""
     stack = [section for section in report.sections if section.name == name]
-    found = []
+    listed = []
     while stack:
         block = stack.pop(0)
         if isinstance(block, (Section, Details)):
             stack = [*block.blocks, *stack]
         else:
-            found.append(block)
-    for table in of(TableBlock, found):
+            listed.append(block)
+    for table in of(TableBlock, listed):
         check_alignment(table)
-    return found
+    return listed
 
 
 def check_alignment(table):

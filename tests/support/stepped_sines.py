@@ -29,7 +29,7 @@ def of_stages(k1: float, g1: float, k2: float, c: float, M: float) -> Answer:
 
 def upward(answer: Answer, torque: float, frequencies: np.ndarray) -> np.ndarray:
     """First harmonics of the twist under a torque, of the branch that a sweep upward follows."""
-    grid, found, before = np.geomspace(1e-4, 2.0, 4000), [], None
+    grid, twists, before = np.geomspace(1e-4, 2.0, 4000), [], None
     for omega in 2 * np.pi * frequencies:
 
         def missed(a: np.ndarray, omega: float = omega) -> np.ndarray:
@@ -39,9 +39,9 @@ def upward(answer: Answer, torque: float, frequencies: np.ndarray) -> np.ndarray
         places = np.flatnonzero(values[:-1] * values[1:] < 0)
         roots = [scipy.optimize.brentq(missed, grid[i], grid[i + 1], xtol=1e-13) for i in places]
         a = roots[-1] if before is None else min(roots, key=lambda one: abs(one - before))
-        found.append(torque / (answer(np.array(a), omega) - INERTIA * omega**2))
+        twists.append(torque / (answer(np.array(a), omega) - INERTIA * omega**2))
         before = a
-    return np.array(found)
+    return np.array(twists)
 
 
 def measured(
@@ -65,7 +65,7 @@ def integrated(levels: tuple[float, ...], frequencies: np.ndarray, samples: int 
     torque, omega = np.repeat(levels, len(frequencies)), 2 * np.pi * np.tile(frequencies, len(levels))
     k1, g1, k2, c, M = STAGES.values()
     h, x, v = 2 * np.pi / omega / samples, np.zeros(len(torque)), np.zeros(len(torque))
-    found = np.zeros(len(torque), dtype=complex)
+    harmonic = np.zeros(len(torque), dtype=complex)
 
     def bend(phase: float, x: np.ndarray, v: np.ndarray) -> np.ndarray:
         size = np.abs(x)
@@ -75,11 +75,11 @@ def integrated(levels: tuple[float, ...], frequencies: np.ndarray, samples: int 
     for step in range(samples * periods):
         phase = 2 * np.pi * step / samples
         if step >= samples * (periods - 1):
-            found += x * np.exp(-1j * phase) * 2 / samples
+            harmonic += x * np.exp(-1j * phase) * 2 / samples
         middle, after = phase + np.pi / samples, phase + 2 * np.pi / samples
         a = bend(phase, x, v)
         b = bend(middle, x + h / 2 * v, v + h / 2 * a)
         d = bend(middle, x + h / 2 * (v + h / 2 * a), v + h / 2 * b)
         e = bend(after, x + h * (v + h / 2 * b), v + h * d)
         x, v = x + h * v + h * h / 6 * (a + b + d), v + h / 6 * (a + 2 * b + 2 * d + e)
-    return found
+    return harmonic

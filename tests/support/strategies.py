@@ -68,11 +68,11 @@ class Piece:
     @property
     def nodes(self) -> tuple[str, ...]:
         """The nodes of its ports, the one that defines the sign first."""
-        found: list[str] = []
+        nodes: list[str] = []
         for port in PORTS.get(self.kind, ("nodes",)):
             at = self.values.get(port)
-            found += [at] if isinstance(at, str) else at or []
-        return tuple(found)
+            nodes += [at] if isinstance(at, str) else at or []
+        return tuple(nodes)
 
     def moved(self, place: Mapping[str, str]) -> Piece:
         """The same piece at other nodes."""
@@ -292,14 +292,14 @@ class Mechanics:
     def __init__(self, pieces: Iterable[Piece]) -> None:
         self.terms: list[Term] = []
         self.conditions: list[tuple[str, dict[str, Fraction]]] = []
-        found: dict[str, None] = {}
+        nodes: dict[str, None] = {}
         for piece in pieces:
             terms, rows = mechanics_of(piece)
             self.terms += terms
             self.conditions += [(piece.name, row) for row in rows]
-            found |= dict.fromkeys(node for node in piece.nodes if node != GROUND)
-            found |= dict.fromkeys(node for term in terms for node in term.row)
-        self.nodes = tuple(found)
+            nodes |= dict.fromkeys(node for node in piece.nodes if node != GROUND)
+            nodes |= dict.fromkeys(node for term in terms for node in term.row)
+        self.nodes = tuple(nodes)
         self.n = len(self.nodes)
         self.basis = null_space([self.full(row) for _, row in self.conditions], self.n)
 

@@ -63,8 +63,8 @@ DESIGN = {"k_2": [200, 800], "c_2": [1, 10]}
 
 def answers_as_text(study: Study, folder: Path | None = None, workers: Workers | None = None) -> str:
     """All that the answers come to, in full precision."""
-    found = answer_study(study, folder, workers=workers).conclusions
-    return json.dumps({name: [one.to_data(), one.sentences] for name, one in found.items()})
+    conclusions = answer_study(study, folder, workers=workers).conclusions
+    return json.dumps({name: [one.to_data(), one.sentences] for name, one in conclusions.items()})
 
 
 def slow_and_shared() -> None:
@@ -107,7 +107,7 @@ def started(folder: Path, processes: int = 1, *words: str) -> subprocess.Popen[b
 
 def processes_of_session(session: int) -> list[int]:
     """Those that a program with a session of its own has started, and itself."""
-    found = []
+    processes = []
     for entry in Path("/proc").iterdir():
         if entry.name.isdigit():
             try:
@@ -115,8 +115,8 @@ def processes_of_session(session: int) -> list[int]:
             except OSError:
                 continue
             if int(fields[3]) == session and fields[0] != "Z":
-                found.append(int(entry.name))
-    return found
+                processes.append(int(entry.name))
+    return processes
 
 
 def deaf(number: int) -> bool:

@@ -55,6 +55,6 @@ def tracked(times, positions, orders):
         terms = np.column_stack(
             [np.ones_like(time), time, np.cos(np.outer(phi, orders)), np.sin(np.outer(phi, orders))]
         )
-        found = np.linalg.lstsq(terms, angle, rcond=None)[0]
-        phi = terms[:, :2] @ found[:2]
-    return found[2 : 2 + len(orders)] - 1j * found[2 + len(orders) :]
+        coefficients = np.linalg.lstsq(terms, angle, rcond=None)[0]
+        phi = terms[:, :2] @ coefficients[:2]
+    return coefficients[2 : 2 + len(orders)] - 1j * coefficients[2 + len(orders) :]

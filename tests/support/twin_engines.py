@@ -35,8 +35,8 @@ SCREW = "screw: {type: propeller, node: p, blades: 4, torque: 6 kN*m, rated: 240
 
 def text(port="", star="", ratio=-3, more=SCREW, engine=ENGINE):
     """Both engines with more entries."""
-    found = TWINS.replace("PORT", f"{PORT}{port}").replace("STAR", f"{STAR}{star}").replace("ENGINE", engine)
-    return found.replace("RATIO", str(ratio)).replace("MORE", more)
+    engines = TWINS.replace("PORT", f"{PORT}{port}").replace("STAR", f"{STAR}{star}").replace("ENGINE", engine)
+    return engines.replace("RATIO", str(ratio)).replace("MORE", more)
 
 
 def plant(*args, **more):

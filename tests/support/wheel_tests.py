@@ -13,9 +13,9 @@ VALUES = np.array([0.1, 0.05j, 0.08, -0.1 + 0.05j, 0.03]) * DEGREE
 
 
 def teeth(seed=1, count=Z, missing=0):
-    found = 0.05 * DEGREE * np.random.default_rng(seed).standard_normal(count)
+    errors = 0.05 * DEGREE * np.random.default_rng(seed).standard_normal(count)
     there = np.arange(count) < count - missing
-    return np.where(there, found - found[there].mean(), 0.0)
+    return np.where(there, errors - errors[there].mean(), 0.0)
 
 
 def record(positions, speed, *, angle=None, values=VALUES, turns=20, jitter=0.0, seed=0, index=True, **more):
