@@ -143,7 +143,8 @@ class Drivetrain(AssembledModel, AttributeHints):
             Inertia in kg m^2, damping in N m s/rad and stiffness in N m/rad; symmetric, without negative parts, also
             sparse.
         names : sequence of str, optional
-            Nodes in the order of the rows; default: ``q1``, ``q2``, ...
+            Nodes in the order of the rows, those of :meth:`matrices` included, with "_" for a dot; default: the labels
+            of data frames, else ``q1``, ``q2``, ...
         name : str
             Title of the model.
         inputs, sensors : mapping, optional
@@ -152,7 +153,8 @@ class Drivetrain(AssembledModel, AttributeHints):
         Raises
         ------
         ModelError
-            A matrix is not symmetric, or a motion has negative inertia, damping or stiffness; nodes are named.
+            A matrix is not symmetric, a motion has negative inertia, damping or stiffness, or labels of data frames
+            contradict the names or each other; nodes are named.
 
         Notes
         -----
@@ -166,11 +168,9 @@ class Drivetrain(AssembledModel, AttributeHints):
         >>> [round(float(one), 3) for one in rig.modes().natural_frequencies]  # sqrt(900 (1/0.5 + 1/2))/(2 pi)
         [0.0, 7.549]
         """
-        from torsionnet.model.elements.lumped_matrices import LumpedMatrices
+        from torsionnet.model.elements.lumped_matrices import LumpedMatrices, node_names
 
-        # What is no matrix is refused by the element.
-        count = (getattr(M, "shape", None) or (len(M) if isinstance(M, list | tuple) else 1,))[0]
-        nodes = [f"q{number}" for number in range(1, count + 1)] if names is None else list(map(str, names))
+        nodes = node_names(names, {"inertia": M, "damping": C, "stiffness": K})
         element = LumpedMatrices.from_entries("matrices", nodes=nodes, inertia=M, damping=C, stiffness=K)
         return cls(name, [element], inputs=inputs, sensors=sensors)
 

@@ -157,3 +157,30 @@ def test_matrices_of_other_packages():
     K = [[3, -1], [-1, 2]]
     for kind in (np.asarray, pd.DataFrame, sympy.Matrix, scipy.sparse.csr_array):
         assert tn.Drivetrain.from_matrices(kind(np.eye(2)), None, kind(K)).matrices().K.tolist() == K
+
+
+def test_labels_of_data_frames_are_names():
+    import pandas as pd
+
+    K = pd.DataFrame([[3, -1], [-1, 2]], ["a", "b"], ["a", "b"])
+    assert tn.Drivetrain.from_matrices(np.eye(2), None, K).nodes == ("a", "b")
+    for names, M in ((["b", "a"], np.eye(2)), (None, K.loc[["b", "a"], ["b", "a"]])):
+        found = faults_of(lambda names=names, M=M: tn.Drivetrain.from_matrices(M, None, K, names=names))
+        assert found == 2 * [("contradicting-entries", ("elements", "matrices", "stiffness"))]
+
+
+def test_dampers_resist_no_motion_that_springs_leave_free():
+    """Of planetary stages, whose ratios make full rows, with the names of nodes inside a shaft."""
+    system = tn.load("wind_turbine_3mw").configured("free").matrices()
+    again = tn.Drivetrain.from_matrices(system.M, system.C, system.K, names=system.coordinates)
+    expected = tn.load("wind_turbine_3mw").configured("free").modes().eigenvalues
+    np.testing.assert_allclose(again.modes().eigenvalues, expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize(("n", "springs"), [(20, 19), (24, 24)])
+def test_full_matrices_of_many_nodes(n, springs):
+    """Every node coupled with every other, of which one motion is free, or none; small integers are quick to factor."""
+    Q = np.random.default_rng(n).integers(-3, 4, size=(springs, n)).astype(float)
+    found = tn.Drivetrain.from_matrices(np.eye(n), None, Q.T @ Q).modes().eigenvalues
+    np.testing.assert_allclose(np.abs(found)[n - springs :], np.linalg.svd(Q)[1][::-1], rtol=1e-9)
+    assert not found[: n - springs].any()

@@ -25,11 +25,10 @@ from torsionnet.linear.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.linear.dynamic_stiffness.reduction import (
     AnyArray,
     complement_within,
-    echelon_basis,
     require_resistance,
     stiff_laws,
 )
-from torsionnet.linear.dynamic_stiffness.row_algebra import unresisted_motions
+from torsionnet.linear.dynamic_stiffness.row_algebra import echelon_basis, unresisted_motions, unresisted_within
 from torsionnet.linear.modes.spectrum import on_real_axis
 
 # Rigid and massless motions that all variants with the same rows and acting laws have in common.
@@ -87,13 +86,14 @@ class SharedDirections:
         require_resistance(system, heavy | stiff | damped)
         # Massless are motions that no inertia resists, held by springs alone those that no damper resists either.
         massless, held = (unresisted_motions(system, laws).basis() for laws in (heavy, heavy | damped))
+        unsprung = unresisted_motions(system, stiff)
         return cls(
             rows=system.rows,
             heavy=np.flatnonzero(heavy),
             stiff=np.flatnonzero(stiff),
             dissipating=np.flatnonzero(damped),
-            rigid=echelon_basis(unresisted_motions(system, stiff).basis()),
-            undamped_rigid=unresisted_motions(system, stiff | damped).basis(),
+            rigid=echelon_basis(unsprung.basis()),
+            undamped_rigid=unresisted_within(unsprung, system, damped).basis(),
             damped=complement_within(held, massless),
             held=held,
         )

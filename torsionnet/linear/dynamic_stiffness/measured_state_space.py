@@ -26,8 +26,9 @@ from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest
 
 NEGLIGIBLE = 1e-9
 """Size of a number over that of its terms below which it counts as zero, as the terms themselves are rounded."""
-CHECKED, TOLD_ERROR = 9, 1e-7
-"""Number of frequencies at which a state space is compared with the response, and error above which it is told."""
+CHECKED, TOLD_ERROR = 12, 1e-5
+"""Number of frequencies at which a state space is compared with the response, and share of that above which an error is
+told."""
 HIDDEN, CLEAR = 1e-8, 1e6
 """Share of a pole in what it is read or driven by, below which it is hidden, and condition up to which that counts."""
 
@@ -182,10 +183,12 @@ def warn_of_lost_digits(system: LinearSystem, request: TransferRequest) -> None:
     omega = np.geomspace(rates.min() / 2, rates.max() * 2, CHECKED)
     expected = transfer_functions(request, law_stiffness([request.assembly.system], omega)).values
     responses_there = np.array([system.response(1j * rate) for rate in omega])
-    error = np.abs(responses_there - expected) / np.maximum(np.abs(expected).max(axis=0), 1e-300)
+    # Of the response there: beside its largest value, at the fastest poles, all that vibrates may be small.
+    error = np.abs(responses_there - expected) / np.maximum(np.abs(expected), 1e-300)
     if not error.max(initial=0.0) <= TOLD_ERROR:
-        text = f"the state space against {request.names} has lost digits to its fastest poles, up to {error.max():.0e}"
-        warn_user(f"{text} of the response's largest value; frequency_response has them")
+        at = omega[np.argmax(error.max(axis=(1, 2)))] / (2 * np.pi)
+        text = f"the state space against {request.names} has lost digits to its fastest poles"
+        warn_user(f"{text}, {error.max():.0e} of the response at {at:.3g} Hz; frequency_response has them")
 
 
 def warn_of_hidden_poles(system: LinearSystem, names: str) -> None:

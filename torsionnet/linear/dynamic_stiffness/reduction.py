@@ -23,15 +23,12 @@ from numpy.typing import NDArray
 
 from torsionnet.base.errors import SolveError
 from torsionnet.linear.assembly.rows import FloatArray, Rows, RowSystem
-from torsionnet.linear.dynamic_stiffness.row_algebra import unresisted_motions
+from torsionnet.linear.dynamic_stiffness.row_algebra import echelon_basis, unresisted_motions, unresisted_within
 
 AnyArray: TypeAlias = NDArray[np.float64] | NDArray[np.complex128]
 
 LARGE_SYSTEM = 60
 """Number of coordinates above which a drivetrain is large, so that methods that follow its graph pay off."""
-RANK_TOLERANCE = 1e-11
-"""Relative tolerance of ranks of normalised rows, whose ratios are 1 to 100, far above the 1e-15 to which consistent
-loops meet."""
 
 
 @dataclass(frozen=True)
@@ -74,23 +71,6 @@ class FirstOrder:
     spaces: Subspaces
     recover: AnyArray  # (n_q, n_x + n_u): v = recover @ x, up to the scale of a mode
     size: float  # norm of the matrix and of the terms that cancelled on the way to it
-
-
-def echelon_basis(basis: FloatArray) -> FloatArray:
-    """Basis (n_q, n) in echelon form, where each column has a coordinate of its own.
-
-    Separate trains get separate rigid modes.
-    """
-    basis = basis.copy()
-    free = np.ones(len(basis), dtype=bool)
-    for column in range(basis.shape[1]):
-        row = int(np.argmax(np.abs(basis[:, column]) * free))
-        free[row] = False
-        basis[:, column] /= basis[row, column]
-        others = np.arange(basis.shape[1]) != column
-        basis[:, others] -= np.outer(basis[:, column], basis[row, others])
-    basis[np.abs(basis) < RANK_TOLERANCE * np.max(np.abs(basis), initial=0.0)] = 0.0
-    return basis
 
 
 def orthogonal_complement(columns: AnyArray, size: int) -> AnyArray:
@@ -191,8 +171,9 @@ def subspaces(system: RowSystem, stiff: NDArray[np.bool_], damped: NDArray[np.bo
     heavy = system.inertia > 0
     require_resistance(system, heavy | stiff | damped)
     massless, held = (unresisted_motions(system, laws).basis() for laws in (heavy, heavy | damped))
-    rigid = echelon_basis(unresisted_motions(system, stiff).basis())
-    undamped_rigid = unresisted_motions(system, stiff | damped).basis()
+    unsprung = unresisted_motions(system, stiff)
+    rigid = echelon_basis(unsprung.basis())
+    undamped_rigid = unresisted_within(unsprung, system, damped).basis()
     scaled = np.sqrt(system.inertia[heavy])[:, None] * system.rows[heavy]
     moving = _mass_basis(scaled, system.n_coordinates - massless.shape[1])
     deflated = (scaled @ moving).T @ (scaled @ undamped_rigid)

@@ -162,6 +162,11 @@ meet."""
 WIDE_ROW_ROUNDING = 1e-13
 """Relative rounding error assumed in coefficients of rows over more than two coordinates, since entries are right to
 1e-16 and long products nearly."""
+STRAINED = 1e-10
+"""Share of its terms that a row leaves in a motion that it resists, where the bounds of rounding have outgrown them."""
+RANK_TOLERANCE = 1e-11
+"""Relative tolerance of ranks of normalised rows, whose ratios are 1 to 100, far above the 1e-15 to which consistent
+loops meet."""
 
 
 @dataclass(frozen=True)
@@ -243,17 +248,98 @@ def unresisted_motions(system: RowSystem, laws: NDArray[np.bool_]) -> NullSpace:
     return null_space([system.sparse_rows[index] for index in np.flatnonzero(laws)], system.n_coordinates)
 
 
+def unresisted_within(motions: NullSpace, system: RowSystem, laws: NDArray[np.bool_]) -> NullSpace:
+    """Part of the motions of a system, as a null space, that none of the selected laws resists, mask (n_laws,).
+
+    What a row leaves of its terms in a motion is zero to ``CLOSED_LOOP_TOLERANCE``, as motions found are rounded.
+    """
+    rows = []
+    for index in np.flatnonzero(laws) if motions.dimension else ():
+        row: dict[int, Rounded] = {}
+        for number, column in enumerate(motions.columns):
+            terms = [value * column[place] for place, value in system.sparse_rows[index].items() if place in column]
+            total = Rounded(sum(terms), CLOSED_LOOP_TOLERANCE * sum(map(abs, terms)))
+            if total != 0:
+                row[number] = total
+        rows.append(row)
+    if not any(rows):
+        return motions
+    solved = reduce_rows(rows, {number: number for number in range(motions.dimension)}).solved
+    columns = {number: dict(column) for number, column in enumerate(motions.columns) if number not in solved}
+    for number, free in solved.items():
+        for other, ratio in free.items():
+            for place, value in motions.columns[number].items():
+                share = Rounded.of(ratio).value * value
+                columns[other][place] = columns[other].get(place, 0.0) + share
+    disjoint = motions.disjoint and all(len(free) < 2 for free in solved.values())
+    return NullSpace(motions.size, tuple(columns.values()), disjoint=disjoint)
+
+
 def null_space(rows: Sequence[SparseRow], size: int) -> NullSpace:
     """Null space of sparse rows (coordinate -> coefficient) over ``size`` coordinates, right for any ratios."""
     parts = _Parts(rows, size)
     turning = [number for number in range(len(parts.members)) if number not in parts.held]
     wide = [row for row in (parts.over_parts(row) for row in rows if len(row) > 2) if row]
     solved = reduce_rows(wide, {part: part for part in turning}).solved
-    columns = {part: parts.part_angles(part, 1.0) for part in turning if part not in solved}
+    motions = {part: {part: 1.0} for part in turning if part not in solved}
     for part, free in solved.items():
         for other, ratio in free.items():
-            columns[other] |= parts.part_angles(part, Rounded.of(ratio).value)
-    return NullSpace(size, tuple(columns.values()), disjoint=all(len(free) < 2 for free in solved.values()))
+            motions[other][part] = Rounded.of(ratio).value
+    if any(_strains(motion, row) for row in wide for motion in motions.values()):
+        motions = _dense_motions(wide, turning)
+    columns = []
+    for motion in motions.values():
+        columns.append({})
+        for part, ratio in motion.items():
+            columns[-1] |= parts.part_angles(part, ratio)
+    held_together = [part for motion in motions.values() for part in motion]
+    return NullSpace(size, tuple(columns), disjoint=len(set(held_together)) == len(held_together))
+
+
+def _strains(motion: Mapping[int, float], row: Mapping[int, Rounded]) -> bool:
+    """Whether a motion found is one that the row resists: bounds grow by each step, in full rows beyond the numbers."""
+    terms = [number.value * motion.get(part, 0.0) for part, number in row.items()]
+    return abs(sum(terms)) > STRAINED * sum(map(abs, terms))
+
+
+def _dense_motions(rows: Sequence[Mapping[int, Rounded]], turning: Sequence[int]) -> dict[int, dict[int, float]]:
+    """Motions of parts that strain no row, by a part that turns in this one alone; from singular values of unit rows.
+
+    >>> ends = {0: Rounded(1.0, 0.0), 1: Rounded(1.0, 0.0), 3: Rounded(-2.0, 0.0)}
+    >>> for part, motion in _dense_motions([ends], [0, 1, 3]).items():
+    ...     print(part, {other: round(turned, 9) for other, turned in motion.items()})
+    0 {0: 1.0, 3: 0.5}
+    1 {1: 1.0, 3: 0.5}
+    """
+    place = {part: number for number, part in enumerate(turning)}
+    full = np.zeros((len(rows), len(turning)))
+    for number, row in enumerate(rows):
+        full[number, [place[part] for part in row]] = [term.value for term in row.values()]
+    _, sigma, vt = np.linalg.svd(full / np.linalg.norm(full, axis=1, keepdims=True))
+    basis = echelon_basis(vt[int(np.sum(sigma > RANK_TOLERANCE * sigma[0])) :].T)
+    alone = np.count_nonzero(basis, axis=1, keepdims=True) == 1
+    motions = {}
+    for own, column in zip(np.argmax(alone & (basis == 1), axis=0).tolist(), basis.T, strict=True):
+        told = zip(turning, column.tolist(), strict=True)
+        motions[turning[own]] = {turning[own]: 1.0} | {part: turned for part, turned in told if turned}
+    return dict(sorted(motions.items()))
+
+
+def echelon_basis(basis: FloatArray) -> FloatArray:
+    """Basis (n_q, n) in echelon form, where each column has a coordinate of its own.
+
+    Separate trains get separate rigid modes.
+    """
+    basis = basis.copy()
+    free = np.ones(len(basis), dtype=bool)
+    for column in range(basis.shape[1]):
+        row = int(np.argmax(np.abs(basis[:, column]) * free))
+        free[row] = False
+        basis[:, column] /= basis[row, column]
+        others = np.arange(basis.shape[1]) != column
+        basis[:, others] -= np.outer(basis[:, column], basis[row, others])
+    basis[np.abs(basis) < RANK_TOLERANCE * np.max(np.abs(basis), initial=0.0)] = 0.0
+    return basis
 
 
 class _Parts:

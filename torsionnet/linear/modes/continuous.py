@@ -23,12 +23,11 @@ from numpy.typing import NDArray
 from torsionnet.base.errors import SolveError
 from torsionnet.linear.assembly.rows import FloatArray, RowSystem
 from torsionnet.linear.dynamic_stiffness.reduction import (
-    echelon_basis,
     resisted_coordinates,
     restrict_to,
     without_empty_laws,
 )
-from torsionnet.linear.dynamic_stiffness.row_algebra import unresisted_motions
+from torsionnet.linear.dynamic_stiffness.row_algebra import echelon_basis, unresisted_motions
 
 # Number of natural frequencies below a frequency, by the algorithm of Wittrick and Williams.
 

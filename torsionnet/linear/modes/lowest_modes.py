@@ -20,13 +20,12 @@ from torsionnet.base.errors import SolveError
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.linear.dynamic_stiffness.reduction import (
     AnyArray,
-    echelon_basis,
     require_resistance,
     resisted_coordinates,
     restrict_to,
     without_empty_laws,
 )
-from torsionnet.linear.dynamic_stiffness.row_algebra import unresisted_motions
+from torsionnet.linear.dynamic_stiffness.row_algebra import echelon_basis, unresisted_motions, unresisted_within
 from torsionnet.linear.modes.pencil import NotFoundError, Pencil, distinct, polished, refined
 from torsionnet.linear.modes.spectrum import Eigenpairs
 
@@ -67,7 +66,8 @@ class RigidMotions:
         """
         heavy = system.inertia > 0
         require_resistance(system, heavy | stiff | damped)
-        rigid, undamped = (unresisted_motions(system, laws).first(count) for laws in (stiff, stiff | damped))
+        unsprung = unresisted_motions(system, stiff)
+        rigid, undamped = unsprung.first(count), unresisted_within(unsprung, system, damped).first(count)
         massless = unresisted_motions(system, heavy).dimension
         return cls(echelon_basis(rigid.basis()), undamped.basis(), system.n_coordinates - massless)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, ClassVar, TypeAlias
@@ -10,7 +10,7 @@ from typing import Any, ClassVar, TypeAlias
 from torsionnet.base.entries.composite import Listed
 from torsionnet.base.entries.scalars import plain_number, read_scalar
 from torsionnet.base.entries.spec import EntryError, Json, Renaming, Schema, Spec, entry
-from torsionnet.base.errors import Fault, got
+from torsionnet.base.errors import Fault, ModelError, got
 from torsionnet.base.expressions import Number
 from torsionnet.model.element_base.element import Element, register
 from torsionnet.model.element_base.element_entries import TURNING_NODE
@@ -160,6 +160,36 @@ class LumpedMatrices(Element):
         return tuple(laws)
 
 
+def node_names(names: Iterable[object] | None, given: Mapping[str, Any]) -> list[str]:
+    """Names of the nodes of matrices: those given, or the labels of data frames among them, or q1, q2, ...
+
+    Raises
+    ------
+    ModelError
+        Labels of rows or columns are others than the names, or in another order.
+    """
+    known = None if names is None else [str(name).replace(".", "_") for name in names]
+    faults = []
+    for entry_name, matrix in given.items():
+        for side in ("index", "columns"):
+            labels = list(getattr(matrix, side, ())) if hasattr(matrix, "columns") else []
+            if not any(isinstance(label, str) for label in labels):
+                continue  # numbers of rows
+            own = [str(label).replace(".", "_") for label in labels]
+            known = known or own
+            if own != known:
+                text = f"the {side} of the {entry_name} matrix is {', '.join(own)}, the nodes are {', '.join(known)}"
+                faults.append(Fault(text, ("elements", "matrices", entry_name), kind="contradicting-entries"))
+    if faults:
+        raise ModelError(faults, "matrices")
+    if known is not None:
+        return known
+    # What is no matrix is refused by the element.
+    M = given["inertia"]
+    count = (getattr(M, "shape", None) or (len(M) if isinstance(M, list | tuple) else 1,))[0]
+    return [f"q{number}" for number in range(1, count + 1)]
+
+
 def matrix_faults(matrix: SquareMatrix, name: str, nodes: Sequence[str]) -> list[Fault]:
     """Faults of a matrix that is not symmetric, or not positive semidefinite, by the nodes of its rows."""
     faults = []
@@ -221,19 +251,22 @@ def _factors(A: list[list[Fraction]]) -> tuple[list[WeightedRow], int | None]:
     """Columns of L with the entries of D, A = L D L^T, and a row of the rest where that has a negative part."""
     n = len(A)
     sizes = [A[i][i] for i in range(n)]
-    rest = [row[:] for row in A]
+    rest, terms = [row[:] for row in A], [[abs(float(number)) for number in row] for row in A]
     left, columns = set(range(n)), []
     while left:
         pivot = max(left, key=lambda i: (rest[i][i] / sizes[i] if sizes[i] else rest[i][i], -i))
         d = rest[pivot][pivot]
         if d <= n * ROUNDING * sizes[pivot]:
             break
-        row = {j: rest[pivot][j] / d for j in sorted(left) if rest[pivot][j]}
+        # What is left of entries that cancel is no coupling: it would damp a motion that no spring resists.
+        coupled = [j for j in sorted(left) if abs(rest[pivot][j]) > n * ROUNDING * terms[pivot][j]]
+        row = {j: rest[pivot][j] / d for j in coupled}
         columns.append((row, d))
         left.remove(pivot)
         for i, a in row.items():
             for j, b in row.items():
                 rest[i][j] -= d * a * b
+                terms[i][j] += abs(float(d) * float(a) * float(b))
     # What is left has no positive part; without a negative one it is rounding.
     for i in sorted(left):
         for j in left:
