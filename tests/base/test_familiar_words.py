@@ -77,6 +77,8 @@ def test_arguments_of_methods():
     rig = tn.load("dmf_rig")
     with pytest.raises(TypeError, match=r"^modes\(\) .*'damping'; write damping=\{\"zeta\""):
         rig.modes(damping=0.02)
+    with pytest.raises(TypeError, match=r"'excitation'; did you mean \"driven_by\"[?]"):
+        rig.frequency_response("theta_1", "T_T", [1], excitation="T_M")
     with pytest.raises(
         TypeError, match=r"^simulate\(\) .*'method'; .* of frequency_response\(\), frequency_responses\(\)$"
     ):

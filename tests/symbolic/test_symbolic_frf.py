@@ -194,11 +194,12 @@ class TestThePaper:
         assert simplify(H.numerator / H.denominator - H.mechanical) == 0
         assert sympy.Poly(H.numerator, s).degree() == 2
         assert sympy.diff(H, k_2).has(k_2)
-        assert sympy.latex(H) == sympy.latex(
-            H.nested
-        )  # sympy has a printer for a TransferFunction and a Rational of its own
-        assert sympy.latex(H.polynomial) == sympy.latex(sympy.sympify(H.polynomial))
-        assert sympy.pretty(H) == sympy.pretty(H.nested)
+        for written in (sympy.latex, sympy.pretty, sympy.srepr, sympy.sstr):
+            # sympy has a printer for a TransferFunction and a Rational of its own
+            assert written(H) == written(H.nested)
+            assert written(H.polynomial) == written(H.polynomial.expression)
+        assert sympy.sympify("2") * H == 2 * H.nested == 2 * H
+        assert (1 / H, H - H, H.polynomial * s) == (1 / H.nested, 0, H.polynomial.expression * s)
 
     def test_equation_13_as_printed(self):
         G = (self.edge + self.branch) / ((I_1 * s**2 + c_M * s) * (self.edge + self.branch) + self.edge * self.branch)

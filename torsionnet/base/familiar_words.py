@@ -80,6 +80,7 @@ KEYS: Mapping[str, tuple[str, ...]] = {
     "ido": ("inner_diameter",),
     "idl": ("inner_diameter",),
     "id": ("inner_diameter",),
+    "excitation": ("driven_by",),
     "free_angle": ("backlash", "gap"),
     "free_play": ("backlash", "gap"),
     "gap": ("backlash",),
@@ -215,6 +216,7 @@ METHODS: Mapping[str, Mapping[str, str]] = {
         "bode": "plot.bode(model.frequency_response(output, input, frequencies))",
         "campbell": "model.critical_speeds(), and plot.interference_diagram for its picture",
         "damping": _DAMPING,
+        "damping_ratio": _DAMPING,
         "damping_ratios": "model.modes().damping_ratios",
         "eig": "model.modes()",
         "eigenfrequencies": "model.modes().natural_frequencies",
@@ -247,6 +249,7 @@ METHODS: Mapping[str, Mapping[str, str]] = {
         "step": "model.simulate(output, input, sampling_rate), whose input is a row of ones",
         "to_file": "model.to_yaml(path)",
         "to_networkx": "model.graph()",
+        "zeta": _DAMPING,
         "transfer_function": "model.frequency_response for numbers, model.symbolic().transfer_function for a formula",
     },
     "Modes": {
@@ -269,7 +272,10 @@ METHODS: Mapping[str, Mapping[str, str]] = {
     },
     "Recording": {"save": _RECORD, "to_json": _RECORD},
     "StudyResult": {"to_json": "tn.study.run_study(study, folder), which keeps all in the folder"},
-    "TransferFunction": dict.fromkeys(("num", "den", "expr"), "numerator and denominator, or sympify of sympy"),
+    "TransferFunction": dict.fromkeys(
+        ("den", "expr", "expand", "factor", "num", "poles", "simplify", "zeros"),
+        "numerator and denominator, or sympify of sympy",
+    ),
 }
 """Python code by an attribute that objects of a class have not, and by the class."""
 

@@ -120,14 +120,15 @@ class LazyMethod:
 
 def _method_hint(owner: type, name: str, own: list[str]) -> str:
     """End of the message on an argument that a method does not take: what other does, or what it takes."""
-    from torsionnet.base.familiar_words import METHODS
+    from torsionnet.base.familiar_words import METHODS, familiar_key
 
     advice = METHODS.get(owner.__name__, {}).get(name, "")
+    meant, _ = familiar_key(name, own)
     lazy = [method for method in dir(owner) if isinstance(getattr_static(owner, method), LazyMethod)]
     takers = [f"{method}()" for method in lazy if name in _parameters(getattr(owner, method))]
     if advice:
         return f"; write {advice}"
-    if takers:
+    if takers and not meant:
         return f"; it is one of {', '.join(takers)}"
     return _argument_hint(name, own) or f"; it takes {', '.join(own) or 'none'}"
 

@@ -6,6 +6,7 @@ results that sympy takes for their expressions.
 
 from __future__ import annotations
 
+import operator
 import random
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -21,15 +22,32 @@ from torsionnet.symbolic.algebra.network import Stiffness
 S = sympy.Symbol("s")
 
 
+def _of_expressions(operation: Callable[[Any, Any], Any], *, reflected: bool = False) -> Callable[[Any, Any], Any]:
+    """Operator of objects that calculates with their sympy expressions, and gives one."""
+
+    def result(own: Any, other: Any) -> Any:
+        expression = own._sympy_()  # as sympy asks for it
+        return operation(other, expression) if reflected else operation(expression, other)
+
+    return result
+
+
 class SympyForm(AttributeHints):
-    """Base class of what sympy's functions and printers take for its expression, also where sympy has such a class."""
+    """Base class of what sympy's functions, printers and operators take for its expression.
+
+    So they do also where sympy has a class of the same name.
+    """
 
     _sympy_: Callable[[], Any]
 
     def _latex(self, printer: Any) -> Any:
         return printer._print(self._sympy_())  # noqa: SLF001  # what sympy asks of such a method
 
-    _pretty = _latex
+    _pretty = _sympystr = _sympyrepr = _mathml = _latex
+    __add__, __radd__ = _of_expressions(operator.add), _of_expressions(operator.add, reflected=True)
+    __sub__, __rsub__ = _of_expressions(operator.sub), _of_expressions(operator.sub, reflected=True)
+    __mul__, __rmul__ = _of_expressions(operator.mul), _of_expressions(operator.mul, reflected=True)
+    __truediv__, __rtruediv__ = _of_expressions(operator.truediv), _of_expressions(operator.truediv, reflected=True)
 
 
 @dataclass(frozen=True)
