@@ -76,9 +76,7 @@ def test_services_leave_texts_alone_that_are_too_large(page, monkeypatch):
     asked = {"hover": {"at": 5}, "complete": {"at": 5}, "definition": {"at": 5}, "references": {"at": 5}, "format": {}}
     asked |= {"outline": {}, "rename": {"at": 5, "name": "x"}}
     for question, entries in asked.items():
-        assert page.ask(question, text=RIG + "\n", **entries) == {
-            "refused": [f"the text is too large for this: more than {len(RIG)} characters"]
-        }
+        assert [str(len(RIG)) in said for said in page.ask(question, text=RIG + "\n", **entries)["refused"]] == [True]
     assert page.ask("outline", text=RIG)["items"]
     assert page.ask("paste", table="x" * (len(RIG) + 1)) == {"no_table": True}
     assert page.type(RIG + "\n")["sound"]

@@ -94,10 +94,10 @@ class TestSliders:
 
     def test_out_of_balance_the_message_and_the_sliders_come(self):
         found = answer(opened(LINE), State(values={CRANK: 20, WHEEL: -100}))
-        assert found["refused"] == [
-            "operating point torque: the mean torques (crank 20 N*m, wheel -100 N*m) leave -5 N*m over at the speed of "
-            "crank, which nothing takes"
-        ]
+        (said,) = found["refused"]
+        assert said.startswith("operating point torque: ")
+        assert "crank 20 N*m, wheel -100 N*m" in said
+        assert "-5 N*m" in said
         assert rows(found)[WHEEL]["value"] == -100
         assert rows(found)[WHEEL]["changed"]
 
@@ -175,9 +175,7 @@ class TestSliders:
 
     def test_what_is_no_torque_is_refused(self):
         assert answer(opened(LINE), State(values={CRANK: "J"}))["refused"][0].startswith(f"{CRANK}: expected")
-        assert answer(opened(LINE), State(values={CRANK: "20 m"}))["refused"] == [
-            'operating point torque crank: "20 m" is not a value of torque; expected a unit such as N*m'
-        ]
+        assert answer(opened(LINE), State(values={CRANK: "20 m"}))["refused"][0].startswith('operating point torque crank: "20 m" ')
 
 
 class TestLoad:

@@ -194,10 +194,7 @@ def test_a_bug_is_a_sentence_too(server, monkeypatch):
     monkeypatch.setitem(QUESTIONS, "api/answer", fail)
     status, _, content = ask(server, "POST", "api/answer", b"{}")
     assert status == 500
-    assert (
-        json.loads(content)["error"]
-        == "unexpected ZeroDivisionError (a bug in torsionnet; report it with the model file): a reason"
-    )
+    assert json.loads(content)["error"].startswith("unexpected ZeroDivisionError ")
     assert ask(server)[0] == 200
 
 

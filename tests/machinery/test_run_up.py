@@ -129,12 +129,8 @@ def test_a_load_below_all_traces_is_told_before_anything_is_calculated(tmp_path)
 
 def test_pressures_within_rounding_of_the_table_hold_with_a_note(tmp_path):
     power = "load: {mean_indicated_pressure: 27.03 bar}"
-    (fault,) = [one for one in generating_set(tmp_path, load=power).check() if "is rounding" in one.message]
-    assert fault.severity == "note"
-    assert fault.message == (
-        "the load asks for a mean indicated pressure of 27.03 bar, gas is known to 27 bar; that holds, as 0.11 % beyond "
-        "is rounding"
-    )
+    (fault,) = [one for one in generating_set(tmp_path, load=power).check() if "27.03 bar" in one.message]
+    assert (fault.severity, "0.11 %" in fault.message) == ("note", True)
     with pytest.raises(ModelError, match=r":46:11: .*27\.2.*beyond-table"):
         generating_set(tmp_path, load="load: {mean_indicated_pressure: 27.2 bar}")
 

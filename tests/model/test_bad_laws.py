@@ -211,7 +211,7 @@ class TestChecks:
         assert stuck[1].startswith("rub sticks in linear results, and is rigid there; give stiffness, of what yields")
         assert found[1].startswith('input T does nothing: "b" is locked, in linear results at an operating point where')
         locked = findings(*self.MASSES, spring, rub, "lock: {type: lock, node: b}", more=given)
-        assert ("error", 'input T does nothing: "b" is locked') in locked
+        assert "error" in [severity for severity, said in locked if said.startswith("input T")]
 
     @pytest.mark.parametrize(
         ("entries", "hint"),

@@ -84,9 +84,7 @@ class TestCrashes:
     )
     @pytest.mark.skipif(os.name != "posix", reason="signals have other names")
     def test_becomes_a_located_error(self, library, what, text):
-        assert f"the file cannot be read as HDF5: the library that reads it {text}" in message(
-            library(what)
-        ) or text in message(library(what))
+        assert text in message(library(what))
 
     def test_what_it_prints_goes_nowhere(self, library, capfd):
         path = library(
