@@ -287,7 +287,7 @@ def null_space(rows: Sequence[SparseRow], size: int) -> NullSpace:
             motions[other][part] = Rounded.of(ratio).value
     if any(_strains(motion, row) for row in wide for motion in motions.values()):
         motions = _dense_motions(wide, turning)
-    columns = []
+    columns: list[dict[int, float]] = []
     for motion in motions.values():
         columns.append({})
         for part, ratio in motion.items():
