@@ -175,7 +175,9 @@ class TestSliders:
 
     def test_what_is_no_torque_is_refused(self):
         assert answer(opened(LINE), State(values={CRANK: "J"}))["refused"][0].startswith(f"{CRANK}: expected")
-        assert answer(opened(LINE), State(values={CRANK: "20 m"}))["refused"][0].startswith('operating point torque crank: "20 m" ')
+        assert answer(opened(LINE), State(values={CRANK: "20 m"}))["refused"][0].startswith(
+            'operating point torque crank: "20 m" '
+        )
 
 
 class TestLoad:
