@@ -44,6 +44,7 @@ def message(text):
         ),
         ("torsional_spring", "stiffness: 1e4", 'did you mean "spring"? known:'),
         ("Dashpot", "damping: 1e4", 'did you mean "damper"? known:'),
+        ("torque_source", "torque: 3", "inputs: {T: {torque: node}}"),
     ],
 )
 def test_model_files(kind, entries, said):
@@ -97,6 +98,8 @@ def test_methods_keep_their_signatures():
 def test_names_of_packages():
     with pytest.raises(AttributeError, match=r"'Model'; write tn.Drivetrain"):
         tn.Model  # noqa: B018
+    with pytest.raises(AttributeError, match=r"'TorsionalSpring'; write tn.Spring"):
+        tn.TorsionalSpring  # noqa: B018
     with pytest.raises(AttributeError, match=r"'Sprig'; did you mean .Spring."):
         tn.Sprig  # noqa: B018
     with pytest.raises(AttributeError, match=r"'modes'; write plot.mode_shapes"):

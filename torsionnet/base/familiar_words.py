@@ -35,9 +35,11 @@ ELEMENT_TYPES: Mapping[str, str] = {
     "gear_element": "gear",
     "gear_pair": "gear",
     "free_play": "clearance",
+    "flexible_shaft": "shaft",
     "gap": "clearance",
     "generator": "synchronous_machine",
     "hard_stop": "clearance",
+    "ideal_gear": "gear",
     "intermediate_shaft": "shaft",
     "jenkins": "friction",
     "lash": "clearance",
@@ -58,11 +60,20 @@ ELEMENT_TYPES: Mapping[str, str] = {
     "stop": "clearance",
     "shaft_element": "shaft",
     "tire": "tyre",
+    "simple_gear": "gear",
+    "timing_belt": "belt",
     "torsional_damper": "tuned_damper",
     "torsional_spring": "spring",
     "wheel": "inertia",
 }
 """Element type by a word that other programs have for it."""
+
+SECTIONS: Mapping[str, str] = {
+    **dict.fromkeys(("ideal_torque_source", "torque_source"), "a torque is an input, inputs: {T: {torque: node}}"),
+    **dict.fromkeys(("motion_sensor", "sensor", "speed_sensor", "torque_sensor"), "see the section sensors:"),
+    **dict.fromkeys(("diesel_engine", "engine"), "an engine excites, excitations: {gas: {type: reciprocating_engine}}"),
+}
+"""Section to write instead, by the element that other programs have for it."""
 
 KEYS: Mapping[str, tuple[str, ...]] = {
     "G": ("shear_modulus",),
@@ -139,8 +150,14 @@ ADVICE: Mapping[str, tuple[str, str]] = {
 }
 """Entry that the section must have, and what to write there, by a key that it has not."""
 
+
+def _class_name(kind: str) -> str:
+    return "".join(map(str.capitalize, kind.split("_")))
+
+
 PYTHON: Mapping[str, Mapping[str, str]] = {
     "torsionnet": {
+        **{_class_name(word): f"tn.{_class_name(kind)}" for word, kind in ELEMENT_TYPES.items()},
         "Assembly": "tn.Drivetrain(name, elements)",
         "Coupling": "tn.FlexibleCoupling or tn.RigidCoupling",
         "Disc": "tn.Inertia(name, node, inertia)",
@@ -157,6 +174,8 @@ PYTHON: Mapping[str, Mapping[str, str]] = {
         "ShaftElement": "tn.Shaft(name, nodes, outer_diameter=, length=)",
         "System": "tn.Drivetrain(name, elements)",
         "bode": "tn.plot.bode(response)",
+        "Sensor": 'sensors={"theta": {"angle": node}} of tn.Drivetrain',
+        "Torque": 'inputs={"T": {"torque": node}} of tn.Drivetrain',
         "eig": "tn.Drivetrain.modes()",
         "fit": "tn.identify(model, measurements, unknowns), or tn.plot.fit for its picture",
         "frf": "tn.Drivetrain.frequency_response(output, input, frequencies)",
@@ -169,6 +188,9 @@ PYTHON: Mapping[str, Mapping[str, str]] = {
         "read_yaml": "tn.load(path)",
         "run_study": "tn.study.run_study(study)",
         "read_csv": "tn.signals.read_recording(path)",
+        "pwelch": "tn.signals.estimate(record, output, input)",
+        "ss": "tn.Drivetrain.to_control(output, input)",
+        "tf": "tn.Drivetrain.frequency_response, or to_control(output, input)",
         "ode45": "tn.Drivetrain.simulate(output, input, sampling_rate)",
         "lsim": "tn.Drivetrain.simulate(output, input, sampling_rate)",
         "simulate": "tn.Drivetrain.simulate(output, input, sampling_rate)",
@@ -218,6 +240,13 @@ METHODS: Mapping[str, Mapping[str, str]] = {
         "damping": _DAMPING,
         "damping_ratio": _DAMPING,
         "damping_ratios": "model.modes().damping_ratios",
+        **dict.fromkeys(("damp", "eigenfrequency", "pole", "poles", "pzmap"), "model.modes()"),
+        **dict.fromkeys(("bodeplot", "freqresp", "tf"), "model.frequency_response(output, input, frequencies)"),
+        "campbell_diagram": "model.critical_speeds(), and plot.interference_diagram for its picture",
+        "impulse": "model.simulate(output, input, sampling_rate), whose input is a row of zeros after a first number",
+        "inertia_matrix": _MATRICES,
+        "nyquist": "model.loop_margins(), and plot.nyquist for its picture",
+        "sim": "model.simulate(output, input, sampling_rate)",
         "eig": "model.modes()",
         "eigenfrequencies": "model.modes().natural_frequencies",
         "eigenvalues": "model.modes().eigenvalues",
@@ -256,6 +285,9 @@ METHODS: Mapping[str, Mapping[str, str]] = {
         "damping": "modes.damping_ratios",
         "eigenvectors": "modes.shapes",
         "frequencies": "modes.natural_frequencies",
+        **dict.fromkeys(("freq", "f0", "fn"), "modes.natural_frequencies"),
+        **dict.fromkeys(("mode_shape", "vectors"), "modes.shapes"),
+        "eigenvalue": "modes.eigenvalues",
         "mode_shapes": "modes.shapes",
         "omega": "2 * np.pi * modes.natural_frequencies",
         "plot": "plot.mode_shapes(modes)",
@@ -266,6 +298,10 @@ METHODS: Mapping[str, Mapping[str, str]] = {
     "FrequencyResponse": {
         "H": "response.values",
         "bode": "plot.bode(response)",
+        **dict.fromkeys(("abs", "amplitude", "mag"), "response.magnitude"),
+        **dict.fromkeys(("omega", "w"), "2 * np.pi * response.frequencies"),
+        "freq": "response.frequencies",
+        "real": "response.values",
         "f": "response.frequencies",
         "to_xarray": "response.to_dataframe().to_xarray()",
         "plot": "plot.bode(response)",

@@ -100,9 +100,13 @@ def _kind_fault(kind: Any) -> Fault:
     if kind is None:
         return Fault(f"an element needs a type: {known}", on_key=True, kind="missing-entry")
     from torsionnet.base.familiar_words import ELEMENT_TYPES as FAMILIAR_TYPES
+    from torsionnet.base.familiar_words import SECTIONS as FAMILIAR_SECTIONS
 
-    familiar = FAMILIAR_TYPES.get(str(kind).casefold(), "")
-    meant, text = familiar if familiar in ELEMENT_TYPES else "", f'no element type is named "{kind}"'
+    word, text = str(kind).casefold(), f'no element type is named "{kind}"'
+    if word in FAMILIAR_SECTIONS:
+        return Fault(f"{text}; {FAMILIAR_SECTIONS[word]}", ("type",), kind="unknown-word")
+    familiar = FAMILIAR_TYPES.get(word, "")
+    meant = familiar if familiar in ELEMENT_TYPES else ""
     return unfit_word(text, str(kind), ELEMENT_TYPES, ("type",), f"known: {known}", meant=meant)
 
 

@@ -284,7 +284,7 @@ def run(arguments: Sequence[str] | None) -> int:
 SAME = {
     "frf --plot bode.png": "bode bodeplot bodemag freqresp freq response responses receptance mobility tf transfer",
     "margins --plot nyquist.png": "nyquist margin stability allmargin",
-    "modes": "eig eigs eigenvalues eigenfrequencies poles pole damp frequencies modal pzmap natural-frequencies",
+    "modes": "eig eigen eigs eigenvalues eigenfrequencies poles pole damp frequencies modal pzmap natural-frequencies",
     "modes --shapes --plot shapes.png": "shape shapes mode-shapes eigenvectors modeshapes",
     "equations": "symbolic latex formula formulas eom motion",
     "equations --tf OUTPUT/INPUT": "transfer-function transfer-functions",
@@ -306,7 +306,7 @@ SAME = {
     "library": "examples list models parts catalogue",
     "bench": "test measure virtual record",
     "estimate": "h1 h2 coherence tfestimate welch",
-    "spectrogram": "fft psd spectrum stft signal",
+    "spectrogram": "fft psd pwelch spectrum stft signal",
     "track": "order-tracking rpmtrack ordertrack ordertracking vold-kalman",
     "angle": "teeth encoder pulses tacho tachometer speed",
     "fit": "identify identification calibrate update correlate updating",
