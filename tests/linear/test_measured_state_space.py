@@ -93,7 +93,7 @@ def test_poles_that_no_output_shows_are_named():
     sensors = {"T": {"torque": "k_bc"}, "phi": {"angle": "c"}}
     model = tn.Drivetrain("line", elements, inputs={"T_a": {"torque": "a"}}, sensors=sensors)
     hidden = f"{np.sqrt(800 / 0.5) / (2 * np.pi):.4g} Hz with a damping ratio of 5 %"
-    with pytest.warns(tn.TorsionnetWarning, match=f"phi against T .*: {hidden}"):
+    with pytest.warns(tn.TorsionnetWarning, match=f"phi against T .* no output shows: {hidden}"):
         space = agrees(model, "phi", "T")
     assert space.nstates == 6  # the branch, c on its spring, and two springs that relax at k/c = 400 1/s
 

@@ -199,11 +199,14 @@ def warn_of_hidden_poles(system: LinearSystem, names: str) -> None:
     clear = np.linalg.norm(left, axis=1) * np.linalg.norm(right, axis=0) < CLEAR
     seen = np.abs(system.C @ right) / np.maximum(np.abs(system.C) @ np.abs(right), 1e-300)
     driven = np.abs(left @ system.B) / np.maximum(np.abs(left) @ np.abs(system.B), 1e-300)
-    hidden = clear & ((seen.max(axis=0, initial=0.0) < HIDDEN) | (driven.max(axis=1, initial=0.0) < HIDDEN))
-    told = [_pole_text(pole) for pole in poles[hidden & (poles.imag >= 0)].tolist()]
-    if told:
-        text = f"the state space of {names} has poles that no input drives or no output shows: {', '.join(told)}"
-        warn_user(text)
+    hidden = {
+        "no output shows": seen.max(axis=0, initial=0.0) < HIDDEN,
+        "no input drives": driven.max(axis=1, initial=0.0) < HIDDEN,
+    }
+    for why, there in hidden.items():
+        told = [_pole_text(pole) for pole in poles[clear & there & (poles.imag >= 0)].tolist()]
+        if told:
+            warn_user(f"the state space of {names} has poles that {why}: {', '.join(told)}")
 
 
 def _pole_text(pole: complex) -> str:
