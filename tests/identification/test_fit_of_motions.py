@@ -176,6 +176,17 @@ def test_a_second_mass_beside_the_element_is_refused():
     assert caught.value.kind == "unfit-channel"
 
 
+def test_the_torque_of_an_element_beside_friction_is_refused():
+    model = decay_model(k=140, c=0.06, M=0.35)
+    model = tn.Drivetrain(
+        "b", model.elements.values(), {"k": 140, "c": 0.06, "M": 0.35}, inputs={"T_M": {"torque": "a"}},
+        sensors={"T": {"torque": "disc"}, "gamma": {"angle": "a"}},
+    )  # fmt: skip
+    with pytest.raises(UsageError, match="beside ring, which it tells nothing of") as caught:
+        fitted(model, stage_record(3), ["M"], "T")
+    assert caught.value.kind == "no-effect"
+
+
 @pytest.mark.nightly
 def test_errors_and_intervals_of_decays_over_draws():
     """Scatter is a few times that of predictions of whole records, which slip in phase from starts as far off."""

@@ -182,13 +182,11 @@ def _left_out(block: SteppedBlock | EquationBlock) -> Iterator[Cause]:
     rig, name = curve.drivetrain, curve.elements[0]
     definition, ends = rig.definition, tuple(rig.definition.elements[name].ports.values())
     springs = [
-        element.name
-        for element in definition.active
-        if element.kind == "spring" and tuple(element.ports.values()) == ends
+        spring.name for spring in definition.active if spring.kind == "spring" and tuple(spring.ports.values()) == ends
     ]
     name = springs[0] if springs else name
-    for name in curve.elements:
-        for _, _, value, _ in definition.elements[name].expressions():
+    for element in curve.elements:
+        for _, _, value, _ in definition.elements[element].expressions():
             yield from (Cause("value", leaf) for leaf in _leaves(value, definition.parameters))
     torque, twist, stiffness = block.typical
     if len(ends) == 2 and f"{name}_friction" not in definition.elements:

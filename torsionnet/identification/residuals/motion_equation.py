@@ -35,6 +35,8 @@ from torsionnet.model.motion_laws.element_stiffness import stiffness_over_twists
 
 SPREAD = np.array([0.7, 1.0, 1.6])
 """Frequencies, over that of the motion, at which the linear rest is read: two tell J, c and k, the third checks."""
+NO_EFFECT = 1e-9
+"""Twist by a torque of the laws, over that of k_0 alone, that is none."""
 ONE_MASS = 1e-6
 """Largest share by which the rest may miss that of one mass."""
 HALVES, GAUSS = np.array([[-1.0], [-1], [1], [1]]), np.array([[-1.0], [1], [-1], [1]]) / 3**0.5
@@ -76,11 +78,15 @@ class MotionEquation(LawsOnTwist):
         Raises
         ------
         UsageError
-            More than one mass moves, or the output is no multiple of the twist.
+            More than one mass moves, the output is no multiple of the twist, or the torque is that of another element.
         """
         if self.linear is None:
             return LinearRest()
         beside, omega = beside_of(self.linear, self.row, numbers), 2 * np.pi * self.linear.frequencies
+        if np.abs(beside.by_torque).max() * self.spring < NO_EFFECT:
+            what = ", ".join(self.elements)
+            text = f"the torque measured is that of an element beside {what}, which it tells nothing of"
+            raise UsageError(f"{text}; name the torque of all of them, as of an input or a meter", kind="no-effect")
         kappa = 1 / beside.by_torque  # k_0 + k + j w c - w^2 J
         inertia = -float((kappa[1] - kappa[0]).real / (omega[1] ** 2 - omega[0] ** 2))
         damping = float(kappa[0].imag / omega[0])
