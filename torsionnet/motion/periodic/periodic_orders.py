@@ -25,13 +25,11 @@ from torsionnet.machinery.orders.order_line import SUM_SEPARATOR, OrderLine
 from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.model.channels import Channels
 from torsionnet.motion.periodic.forcing import order_request
-from torsionnet.motion.periodic.periodic_response import periodic_response
+from torsionnet.motion.periodic.periodic_response import AROUND, periodic_response
 from torsionnet.motion.periodic.periodic_result import FoundMotion, PeriodicResponse
 
 SUBHARMONICS = 4
 """Most periods of the torques after which motions repeat whose orders are looked for."""
-AROUND = (0.8, 1.25)
-"""Ends, over a single speed, of the speeds over which its motions are followed where the model says nothing."""
 EDGE = 0.01
 """Distance from the unit circle of a multiplier that passes it, at a place that is located."""
 SMALLEST_ORDER = 1e-6

@@ -38,6 +38,8 @@ BEGUN = {"doubling": "doubled", "symmetry": "lopsided"}
 """Words for branches that begin where others fork, by the kind of the fork."""
 ENOUGH, MOST_TAKEN = 1e-5, 250
 """Share of a swing that the last harmonics may move where laws have steps, and most of them in a period of torques."""
+AROUND = (0.8, 1.25)
+"""Range over a single place in which branches are followed: doubled motions begin beside it."""
 AMPLITUDES = 16
 """Harmonics of the torques' period whose amplitudes a result keeps."""
 
@@ -115,6 +117,8 @@ def periodic_response(
     readings = [named_output(plant.placed.drivetrain, channel) for channel in asked]
     plant.require_balance(forcing.drive.loads(float(forcing.parameters[0]))[0].real)
     low, high = float(forcing.parameters[0]), float(forcing.parameters[-1])
+    if low == high and subharmonics > 1:
+        low, high = low * AROUND[0], high * AROUND[1]
     problem = PeriodicProblem(plant, forcing.drive, high)
     with one_thread():
         branches = _branches(forcing, problem, excitation, (low, high), harmonics, subharmonics, initial_state)
