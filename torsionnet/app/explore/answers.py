@@ -18,7 +18,7 @@ from torsionnet.app.explore.session import Session
 from torsionnet.app.explore.sliders import point_sliders, sliders
 from torsionnet.app.explore.state import State
 from torsionnet.base.equal_remarks import collected_warnings
-from torsionnet.base.errors import ModelError, TorsionnetError
+from torsionnet.base.errors import ModelError, TorsionnetError, warn_user
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.linear.frequency_response import DERIVATIVE_ORDERS, FloatArray, FrequencyResponse
 from torsionnet.linear.modes.modes import Modes
@@ -237,7 +237,7 @@ def _where(path: tuple[str | int, ...]) -> str:
 def _answer(session: Session, state: State) -> dict[str, Any]:
     rig = session.model_for(state)
     shown = session.with_defaults(state)
-    modes = page_modes(rig)
+    modes = page_modes(session, state, rig)
     return {
         "title": rig.title,
         "excitation": shown.excitation,
@@ -267,9 +267,17 @@ def _over_frequency(session: Session, rig: Drivetrain, shown: State, modes: Mode
     }
 
 
-def page_modes(rig: Drivetrain) -> Modes:
-    """Modes of a drivetrain that the page shows, of a large one only the lowest."""
-    return rig.modes(lowest=MOST_MODES) if len(rig.nodes) > MANY_NODES else rig.modes()
+def page_modes(session: Session, state: State, rig: Drivetrain) -> Modes:
+    """Modes of a state's drivetrain that the page shows, of a large one only the lowest."""
+
+    def solve() -> tuple[Modes, list[str]]:
+        with collected_notes() as notes:
+            return rig.modes(lowest=MOST_MODES if len(rig.nodes) > MANY_NODES else None), notes
+
+    modes, notes = session.modes.once(state, solve)
+    for note in notes:
+        warn_user(note)
+    return modes
 
 
 def _measured(rig: Drivetrain, state: State) -> Modes | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TypeAlias
@@ -161,8 +162,6 @@ TEXT_QUESTIONS: Mapping[str, Callable[[Document, PageRequest], Answer]] = {
 Make: TypeAlias = Callable[[Session, State], dict[str, Any]]
 MOST_MOVING = 12
 """Number of lowest modes of a large model that the page can move; each more takes time while the text is written."""
-UNBROKEN = 1e6
-"""Width in mm of a page on which no line of shafts is broken; the page zooms and pans."""
 BYTES_OF_MOTION = 100
 """Size in bytes of the motion of one node in one mode, roughly."""
 
@@ -193,7 +192,7 @@ def motion_answer(session: Session, state: State) -> dict[str, Any]:
 def _schematic(session: Session, state: State) -> dict[str, Any]:
     from torsionnet.plot.schematics.svg_drawing import schematic_svg  # what draws is loaded by pages that show it
 
-    drawing = schematic_svg(session.model_for(state), width=UNBROKEN)  # along one line, as the mode shapes below it
+    drawing = schematic_svg(session.model_for(state), width=math.inf)  # along one line, as the mode shapes below it
     return {
         "svg": drawing.svg,
         "elements": dict(drawing.elements),
@@ -206,7 +205,7 @@ def _mode_motion(session: Session, state: State) -> dict[str, Any]:
     rig = session.model_for(state)
     with collected_notes() as notes:
         is_large = len(rig.nodes) > MANY_NODES
-        motion = mode_motion(rig, rig.modes(lowest=MOST_MOVING) if is_large else page_modes(rig))
+        motion = mode_motion(rig, page_modes(session, state, rig).first(MOST_MOVING if is_large else None))
     said = [f"{len(rig.nodes)} nodes: the {MOST_MOVING} lowest modes can be moved"] if is_large else []
     return motion | {"notes": list(dict.fromkeys([*said, *motion["notes"], *notes]))}
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 from torsionnet.app.explore.over_speed import limited_output, overlay_data, runs
@@ -155,6 +156,19 @@ MOST_SURVEYED = 24
 """Number of configurations whose modes are calculated to find the first frequency band; each costs a solution."""
 
 
+class SharedModes:
+    """Modes of recent states with the notes on them, solved once for results and for pictures, which run in threads."""
+
+    def __init__(self) -> None:
+        self._recent, self._solving = RecentResults(), Lock()
+
+    def once(self, state: State, solve: Callable[[], tuple[Modes, list[str]]]) -> tuple[Modes, list[str]]:
+        """Modes and notes of a state; whoever asks while they are solved waits for them."""
+        key = (tuple(state.choice.items()), tuple(state.values.items()))
+        with self._solving:
+            return self._recent.once(tuple, key, solve, lambda found: 3 * found[0].shapes.nbytes)
+
+
 @dataclass(frozen=True, eq=False)
 class Session:
     """Model that the page shows, with its text and the state that the page begins with.
@@ -197,6 +211,7 @@ class Session:
     """Operating point in place of that of the file."""
     pictures: RecentResults = field(default_factory=RecentResults, repr=False)
     """Recent schematics and motions of modes, which many states share."""
+    modes: SharedModes = field(default_factory=SharedModes, repr=False)
     _chosen: dict[str, Drivetrain] = field(default_factory=dict, repr=False)
 
     def model_in(self, choice: Mapping[str, str]) -> Drivetrain:

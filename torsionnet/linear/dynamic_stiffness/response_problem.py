@@ -25,7 +25,7 @@ import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TypeAlias, TypeVar
 
 import numpy as np
@@ -250,6 +250,8 @@ class _Forward(_Taping):
 MOST_SINGLE_TORQUES = 4
 """Largest number of excitation torques that are solved one by one, since each then has its own coordinate at the root
 of the tree."""
+RECENT_PLANS, LARGEST_KEPT = 16, 2500
+"""Number of recent plans with their tapes that are kept, and largest number of laws of one, for the sake of memory."""
 GOLDEN = (math.sqrt(5) - 1) / 2
 """Golden ratio minus one, whose multiples modulo 1 spread the scale factors of coordinates most evenly."""
 
@@ -323,8 +325,17 @@ class ResponseProblem:
         """
         return replace(self, other_order=True)
 
-    @cached_property
+    @property
     def plan(self) -> EliminationPlan:
+        return self._planned[0]
+
+    @property
+    def tape(self) -> Tape:
+        return self._planned[1]
+
+    @cached_property
+    def _planned(self) -> tuple[EliminationPlan, Tape]:
+        """Plan and tape, which depend on rows alone: a model whose values alone change asks for the same again."""
         rows = [[*self.laws], [excitation.load for excitation in self.excitations], [*self.outputs]]
         if self.other_order:
             # Coordinates in odd sizes, q_j = d_j q'_j with d_j between 1 and 2, different for each.
@@ -332,21 +343,35 @@ class ResponseProblem:
             rows = [
                 [{j: a * odd[j] if j < self.n_free else a for j, a in row.items()} for row in some] for some in rows
             ]
-        laws, loads, outputs = rows
-        return make_plan(
-            laws,
-            self.n_free,
-            loads,
-            [excitation.motion for excitation in self.excitations],
-            outputs,
-            self.reactions,
-            other_order=self.other_order,
+        laws, loads, outputs = (tuple(tuple(row.items()) for row in some) for some in rows)
+        motions = tuple(tuple(excitation.motion.items()) for excitation in self.excitations)
+        planned = recent_plan if len(laws) <= LARGEST_KEPT else recent_plan.__wrapped__
+        return planned(
+            laws, self.n_free, loads, motions, outputs, self.reactions, other_order=self.other_order,
             accuracy=self.accuracy,
-        )
+        )  # fmt: skip
 
-    @cached_property
-    def tape(self) -> Tape:
-        return make_tape(self.plan)
+
+FixedRows: TypeAlias = tuple[tuple[tuple[int, float], ...], ...]
+"""Rows that can be part of a key."""
+
+
+@lru_cache(maxsize=RECENT_PLANS)
+def recent_plan(
+    laws: FixedRows,
+    n_free: int,
+    loads: FixedRows,
+    motions: FixedRows,
+    outputs: FixedRows,
+    reactions: tuple[int, ...],
+    *,
+    other_order: bool,
+    accuracy: Accuracy,
+) -> tuple[EliminationPlan, Tape]:
+    """Elimination plan and its tape, kept for rows that come again."""
+    rows, torques, angles, read = ([dict(row) for row in some] for some in (laws, loads, motions, outputs))
+    plan = make_plan(rows, n_free, torques, angles, read, reactions, other_order=other_order, accuracy=accuracy)
+    return plan, make_tape(plan)
 
 
 Walk: TypeAlias = Callable[[Tape, LawStiffness], Array]

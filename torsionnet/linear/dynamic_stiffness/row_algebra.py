@@ -245,7 +245,11 @@ class Rounded:
 
 def unresisted_motions(system: RowSystem, laws: NDArray[np.bool_]) -> NullSpace:
     """Motions of a system, as a null space, that none of the selected laws resists, mask (n_laws,)."""
-    return null_space([system.sparse_rows[index] for index in np.flatnonzero(laws)], system.n_coordinates)
+
+    def found() -> NullSpace:
+        return null_space([system.sparse_rows[index] for index in np.flatnonzero(laws)], system.n_coordinates)
+
+    return system.memo.once(NullSpace, laws.tobytes(), found)
 
 
 def unresisted_within(motions: NullSpace, system: RowSystem, laws: NDArray[np.bool_]) -> NullSpace:

@@ -161,14 +161,14 @@ def _vibration(elements: tuple[str, ...], strain: FloatArray, crossings: list[st
 class Links:
     """Elastic elements between two coordinates, by whose twist the vibration nodes of a mode are counted.
 
-    They twist by a * first - b * second.
+    They twist by a * first - b * second; ``inside`` are words for a vibration node in each.
 
     Nodes that are rigidly geared together are one coordinate. ``wide`` says that a law ties three coordinates, or that
     a continuous shaft has nodes of vibration inside.
     """
 
     names: tuple[str, ...]
-    owners: tuple[str, ...]
+    inside: tuple[str, ...]
     ends: NDArray[np.int_]
     factors: NDArray[np.float64]
     wide: bool
@@ -181,10 +181,10 @@ class Links:
         pairs = [(owner, row) for owner, row in elastic if len(row) == 2]
         ends = np.array([list(row) for _, row in pairs], dtype=int).reshape(-1, 2)
         factors = np.array([list(row.values()) for _, row in pairs]).reshape(-1, 2)
-        owners = tuple(owner for owner, _ in pairs)
+        inside = tuple(phrase("in {element}", element=ModelName(owner)) for owner, _ in pairs)
         names = assembly.kinematics.coordinates
         waves = any(table.is_continuous for _, table in assembly.system.dynamic)
-        return cls(names, owners, ends, factors * [1.0, -1.0], wide=len(pairs) < len(elastic) or waves)
+        return cls(names, inside, ends, factors * [1.0, -1.0], wide=len(pairs) < len(elastic) or waves)
 
     def vibration_nodes(self, motion: ComplexArray) -> list[str] | None:
         """Vibration nodes of a motion (n_q,) in words, ``in shaft``, or ``at wheel`` where a wheel stands still.
@@ -203,9 +203,7 @@ class Links:
         # Parallel elements between two coordinates have one vibration node together.
         crossings: dict[frozenset[int], str] = {}
         for number in np.flatnonzero(crossing):
-            crossings.setdefault(
-                frozenset(self.ends[number].tolist()), phrase("in {element}", element=ModelName(self.owners[number]))
-            )
+            crossings.setdefault(frozenset(self.ends[number].tolist()), self.inside[number])
         # A coordinate that stands still is a node if parts on both sides of it turn in opposite directions.
         low, high = np.zeros(len(angle)), np.zeros(len(angle))
         np.minimum.at(low, self.ends, sides[:, ::-1] / self.factors)

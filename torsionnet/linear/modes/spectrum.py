@@ -130,13 +130,16 @@ def _singular(form: FirstOrder) -> tuple[ComplexArray, ComplexArray, FloatArray]
 
 def _standard(form: FirstOrder) -> tuple[ComplexArray, ComplexArray, FloatArray]:
     values, states = np.linalg.eig(form.matrix)
+    basis, upper = states, np.flatnonzero(values.imag > 0)
+    if np.isrealobj(form.matrix):  # conjugates are neighbours: their plane has a real basis, the two parts of a shape
+        basis = states.real.copy()
+        basis[:, upper + 1] = states.imag[:, upper]
     try:
-        condition = np.linalg.norm(np.linalg.inv(states), axis=1)
+        condition = np.linalg.norm(np.linalg.inv(basis), axis=1)
     except np.linalg.LinAlgError:  # exactly defective, as critical damping can be
         condition = np.full(len(values), np.inf)
-    if np.isrealobj(form.matrix):  # conjugates are neighbours and are refined together
-        upper = np.flatnonzero(values.imag > 0)
-        condition[upper] = condition[upper + 1] = np.maximum(condition[upper], condition[upper + 1])
+    if basis is not states:  # the row to x + jy is that to x less j times that to y, halved
+        condition[upper] = condition[upper + 1] = np.hypot(condition[upper], condition[upper + 1]) / 2
     return values.astype(complex), states.astype(complex), condition
 
 
@@ -220,13 +223,19 @@ def _polynomial_problem(spectrum: Spectrum) -> tuple[AnyArray, list[AnyArray]]:
 
 def _residuals(spectrum: Spectrum, z: AnyArray, coefficients: list[AnyArray]) -> FloatArray:
     """Residual torque |D q| (n,) of each shape, over the sum of the magnitudes of its terms."""
-    rows, sizes = spectrum.system.rows, np.abs(spectrum.system.rows)
+    rows, sizes, shapes = spectrum.system.rows, np.abs(spectrum.system.rows), spectrum.shapes
+    # Conjugates, which are neighbours, leave the same: the second of each two waits.
+    second = np.zeros(len(z), dtype=bool)
+    if not (spectrum.undamped or np.iscomplexobj(spectrum.stiffness)):
+        second[1:] = z[:-1].conj() == z[1:]
+        second &= z.imag < 0
+        z, shapes = z[~second], shapes[:, ~second]
     powers = [z**d for d in range(len(coefficients))]
     laws = sum(np.multiply.outer(c, power) for c, power in zip(coefficients, powers, strict=True))
     terms = sum(np.multiply.outer(np.abs(c), np.abs(power)) for c, power in zip(coefficients, powers, strict=True))
-    left = np.linalg.norm(rows.T @ (laws * (rows @ spectrum.shapes)), axis=0)
-    scale = np.linalg.norm(sizes.T @ (terms * (sizes @ np.abs(spectrum.shapes))), axis=0)
-    return np.asarray(left / np.where(scale > 0, scale, 1.0))
+    left = np.linalg.norm(rows.T @ (laws * (rows @ shapes)), axis=0)
+    scale = np.linalg.norm(sizes.T @ (terms * (sizes @ np.abs(shapes))), axis=0)
+    return np.asarray((left / np.where(scale > 0, scale, 1.0))[np.cumsum(~second) - 1])
 
 
 def most_uncertain(chosen: NDArray[np.bool_], errors: FloatArray, count: int) -> NDArray[np.bool_]:

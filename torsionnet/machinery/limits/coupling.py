@@ -270,15 +270,18 @@ class CouplingLimit(ElementLimit):
         return [phrase(template, largest=largest, ambient=ambient, off=self.given_off)]
 
     def _vibratory(self, evidence: Evidence) -> LimitLine:
-        weights = np.ones(evidence.run.frequencies.shape)
         if self.frequency_factor == "din_740_2":
             # DIN 740-2: T_KW falls with sqrt(10 Hz/f) above 10 Hz, so that each order counts sqrt(f/10 Hz) times.
             weights = np.sqrt(np.maximum(evidence.run.frequencies, REFERENCE_HZ) / REFERENCE_HZ)
-        values, orders = evidence.weighted(self.torque, weights)
+            values, orders = evidence.weighted(self.torque, weights)
+        else:
+            values, orders = evidence.size([self.torque]), evidence.orders([self.torque])
         allowed = constant_over_speed(not_none(self.T_KW) / self.torque_temperature_factor, evidence)
         return LimitLine("T_KW", "vibratory torque, half range", "N*m", values, allowed, (), orders)
 
     def _twists(self, evidence: Evidence) -> Iterator[LimitLine]:
+        if self.twist is self.vibratory_twist is None:
+            return
         size = evidence.size([self.twisting])
         if self.twist is not None:
             line = LimitLine(

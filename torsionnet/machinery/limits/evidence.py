@@ -109,7 +109,7 @@ class Evidence:
 
     def size(self, sensors: Sequence[Sensor]) -> FloatArray:
         """Half range of the sum of all orders, the largest of the sensors, in SI units, shape (n_speeds,)."""
-        return np.asarray(np.max([self.run.half_range[:, self._place(sensor)] for sensor in sensors], axis=0))
+        return np.asarray(self.run.half_range_of([self._place(sensor) for sensor in sensors]).max(axis=1))
 
     def size_by_case(self, sensors: Sequence[Sensor]) -> FloatArray | None:
         """Half range in each case of excitation, the largest of the sensors, in SI units, shape (n_speeds, n_cases).
@@ -119,11 +119,11 @@ class Evidence:
         if not isinstance(self.run, WorstResponse) or len(self.run.each) < 2:
             return None
         places = [self._place(sensor) for sensor in sensors]
-        return np.stack([case.half_range[:, places].max(axis=1) for case in self.run.each], axis=1)
+        return np.stack([case.half_range_of(places).max(axis=1) for case in self.run.each], axis=1)
 
     def largest_of(self, sensors: Sequence[Sensor], at: int) -> Sensor:
         """Sensor with the largest half range of the sum of all orders at a speed, given by its index."""
-        return max(sensors, key=lambda sensor: float(self.run.half_range[at, self._place(sensor)]))
+        return max(sensors, key=lambda sensor: float(self.run.half_range_of([self._place(sensor)])[at, 0]))
 
     def orders(self, sensors: Sequence[Sensor]) -> OrderAmplitudes:
         """Amplitudes of every order in SI units, those of the sensor with the largest half range at each speed."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar, Protocol, runtime_checkable
 
@@ -233,7 +233,7 @@ class OrderResponse(SavedResult):
         waves = waveforms(self._spectrum(range(len(self.lines)), counts)[:, :, place : place + 1], points)[:, 0]
         return 2 * np.pi * cycle * np.arange(waves.shape[1]) / waves.shape[1], waves
 
-    @cached_property
+    @property
     def bounds(self) -> FloatArray:
         """Largest and smallest sum of all order lines over a cycle, SI units of outputs, shape (2, n_speeds, n_out).
 
@@ -241,52 +241,33 @@ class OrderResponse(SavedResult):
         later: their extremes add up. Lines without a cycle of their own add their magnitudes. Engines of one speed with
         an unknown angle between them are at the angle of largest (max - min)/2; extremes of other engines add up.
         """
-        if has_unknown_angles(self.lines):
-            worst = at_worst_angles(self.values, self.lines)
-            return replace(self, values=worst.values, lines=worst.lines).bounds
-        bounds = np.zeros((2, len(self.speeds), len(self.outputs)))
-        for places, counts in self._families():
-            # Phases without a cycle drift through all positions: the extremes are +-sum |X|.
-            alone = np.abs(self.values[:, places]).sum(axis=1)
-            bounds += [alone, -alone] if counts is None else cycle_extremes(self.values[:, places], counts)
-        return bounds
+        return self._bounds(range(len(self.outputs)))
 
-    def _families(self) -> Iterator[tuple[list[int], list[int] | None]]:
-        """Yield indices of order lines of fixed phases to each other, and their periods in a common cycle, or None.
+    def _bounds(self, places: Sequence[int]) -> FloatArray:
+        """Bounds of outputs by their indices, shape (2, n_speeds, n_places); those of each are worked out once."""
+        missing = [place for place in places if place not in self._known_bounds]
+        if missing:
+            values, lines = self.values[:, :, missing], self.lines
+            if has_unknown_angles(lines):
+                worst = at_worst_angles(values, lines)
+                values, lines = worst.values, worst.lines
+            bounds = np.zeros((2, len(self.speeds), len(missing)))
+            for family, counts in _families(lines):
+                # Phases without a cycle drift through all positions: the extremes are +-sum |X|.
+                alone = np.abs(values[:, family]).sum(axis=1)
+                bounds += [alone, -alone] if counts is None else cycle_extremes(values[:, family], counts)
+            self._known_bounds.update(zip(missing, np.moveaxis(bounds, 2, 0), strict=True))
+        known = [self._known_bounds[place] for place in places]
+        return np.stack(known, axis=2) if known else np.zeros((2, len(self.speeds), 0))
 
-        A group holds all lines of engines at known angles if these have a cycle; otherwise the lines of each shaft,
-        those of all fixed frequencies (assumed to come from one electrical line), and each slip alone.
-        """
-        for block in engine_blocks(self.lines):
-            relatives = [self.lines[place].relative for place in block.places]
-            has_fixed = any(self.lines[place].fixed for place in block.places)
-            cycle = None if has_fixed else common_cycle(relatives)
-            if cycle is None:
-                yield from self._by_shaft(block.places)
-            else:
-                yield [*block.places], [int(relative * cycle) for relative in relatives]
+    @cached_property
+    def _known_bounds(self) -> dict[int, FloatArray]:
+        return {}
 
-    def _by_shaft(self, block: Sequence[int]) -> Iterator[tuple[list[int], list[int] | None]]:
-        families: dict[object, list[int]] = {}
-        for place in block:
-            line = self.lines[place]
-            # Lines locked to each other: those of one shaft, all constant frequencies, and a slip with lines of the
-            # same slip.
-            family = ("fixed" if not line.order else (line.relative, line.fixed)) if line.fixed else line.ratio
-            families.setdefault(family, []).append(place)
-        for places in families.values():
-            lines = [self.lines[place] for place in places]
-            if lines[0].fixed and lines[0].order:
-                yield places, None
-                continue
-            rates = [near_fraction(line.fixed) if line.fixed else line.exact_order for line in lines]
-            # Constant frequencies have no revolutions: their common cycle is counted in periods of the highest one.
-            top = max(rates)
-            cycle = common_cycle([rate / top for rate in rates] if lines[0].fixed else rates)
-            if cycle is None:
-                yield places, None
-            else:
-                yield places, [int(rate / top * cycle if lines[0].fixed else rate * cycle) for rate in rates]
+    def half_range_of(self, places: Sequence[int]) -> FloatArray:
+        """Half ranges in SI units of outputs by their indices, as :attr:`half_range`, shape (n_speeds, n_places)."""
+        bounds = self._bounds(places)
+        return np.asarray((bounds[0] - bounds[1]) / 2)
 
     @property
     def unmet(self) -> NDArray[np.bool_]:
@@ -296,7 +277,7 @@ class OrderResponse(SavedResult):
     @property
     def half_range(self) -> FloatArray:
         """Half range (max - min)/2 of the sum of all orders in SI units of the outputs, shape (n_speeds, n_out)."""
-        return np.asarray((self.bounds[0] - self.bounds[1]) / 2)
+        return self.half_range_of(range(len(self.outputs)))
 
     @property
     def peak_to_peak(self) -> FloatArray:
@@ -473,3 +454,42 @@ class OrderResponse(SavedResult):
         for place, count in zip(places, counts, strict=True):
             spectrum[:, count] += self.values[:, place]
         return spectrum
+
+
+def _families(lines: Sequence[OrderLine]) -> Iterator[tuple[list[int], list[int] | None]]:
+    """Yield indices of order lines of fixed phases to each other, and their periods in a common cycle, or None.
+
+    A group holds all lines of engines at known angles if these have a cycle; otherwise the lines of each shaft,
+    those of all fixed frequencies (assumed to come from one electrical line), and each slip alone.
+    """
+    for block in engine_blocks(lines):
+        relatives = [lines[place].relative for place in block.places]
+        has_fixed = any(lines[place].fixed for place in block.places)
+        cycle = None if has_fixed else common_cycle(relatives)
+        if cycle is None:
+            yield from _by_shaft(lines, block.places)
+        else:
+            yield [*block.places], [int(relative * cycle) for relative in relatives]
+
+
+def _by_shaft(lines: Sequence[OrderLine], block: Sequence[int]) -> Iterator[tuple[list[int], list[int] | None]]:
+    families: dict[object, list[int]] = {}
+    for place in block:
+        line = lines[place]
+        # Lines locked to each other: those of one shaft, all constant frequencies, and a slip with lines of the
+        # same slip.
+        family = ("fixed" if not line.order else (line.relative, line.fixed)) if line.fixed else line.ratio
+        families.setdefault(family, []).append(place)
+    for places in families.values():
+        some = [lines[place] for place in places]
+        if some[0].fixed and some[0].order:
+            yield places, None
+            continue
+        rates = [near_fraction(line.fixed) if line.fixed else line.exact_order for line in some]
+        # Constant frequencies have no revolutions: their common cycle is counted in periods of the highest one.
+        top = max(rates)
+        cycle = common_cycle([rate / top for rate in rates] if some[0].fixed else rates)
+        if cycle is None:
+            yield places, None
+        else:
+            yield places, [int(rate / top * cycle if some[0].fixed else rate * cycle) for rate in rates]

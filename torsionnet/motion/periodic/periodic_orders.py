@@ -66,13 +66,13 @@ class PeriodicOrders(OrderResponse):
         return tuple(tuple(largest_met(self.motions, at, place) for place in places) for at in self.speeds.tolist())
 
     @cached_property
-    def bounds(self) -> FloatArray:
+    def _known_bounds(self) -> dict[int, FloatArray]:
         half_ranges = np.zeros((2, len(self.speeds), len(self.outputs)))
         for number, row in enumerate(self.taken):
             for place, motion in enumerate(row):
                 mean = motion.amplitudes[0, place].real
                 half_ranges[:, number, place] = motion.highest[place] - mean, motion.lowest[place] - mean
-        return half_ranges
+        return dict(enumerate(np.moveaxis(half_ranges, 2, 0)))
 
     @property
     def open_notes(self) -> tuple[str, ...]:

@@ -90,6 +90,9 @@ class PartLayout:
 
     def _measure(self, head: Vertex) -> None:
         """Store the widths in points of a shaft line of the schematic and its nodes, after those of its branches."""
+        if math.isinf(self.plan.page):  # no line is cut
+            self.starts[head], self.steps[head], self.needs[head] = 0.0, [RouteStep(0.0, 0.0, 0.0, ())], 0.0
+            return
         self._steps(head)
         room = self.plan.page - MARGIN - INDENT
         wide = zip(self.routes[head].vertices, self.steps[head], strict=True)

@@ -37,8 +37,8 @@ export async function openText(nonce, schematic) {
     complete,
     hover,
     paste: pasteTable,
-    changed: () => {
-      sync?.changed();
+    changed: (_, step) => {
+      sync?.changed(step);
       file?.mark();
     },
     moved: () => {
