@@ -11,7 +11,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 sys.path.append(str(ROOT / "tests"))
 
-from support.explore_pages import chromium, serving, visit  # noqa: E402
+from support.explore_pages import Pages, chromium, serving, visit  # noqa: E402
 
 from benchmarks._sizes import sized  # noqa: E402
 
@@ -40,10 +40,10 @@ def ready():
     return elapsed
 
 
-def updates(browser, model, over_speed):
+def updates(pages, model, over_speed):
     """Time in ms of every update while a slider is dragged, as the page measures them."""
     outputs = [over_speed] if over_speed else []
-    with serving(model, over_speed=outputs) as server, visit(browser, server.address, viewport=SIZE) as found:
+    with serving(model, over_speed=outputs) as server, visit(pages, server.address, viewport=SIZE) as found:
         found.settle()
         box = found.page.locator(".parameter:not(.is-derived) .slider").nth(3).bounding_box()
         x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
@@ -74,7 +74,7 @@ def main():
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
         for model, (over_speed, goal) in MODELS.items():
-            times = sorted(updates(browser, model, over_speed))
+            times = sorted(updates(Pages(browser), model, over_speed))
             median, late = statistics.median(times), times[int(0.9 * len(times))]
             verdict = "reached" if median <= goal else "missed"
             shown = f"{model} over speed" if over_speed else model

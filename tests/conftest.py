@@ -75,15 +75,15 @@ def documents_close(built_documents):
 
 @pytest.fixture(scope="session")
 def chromium():
-    """Chromium, started once for all tests of a process; skips, with a reason, where there is none."""
-    from support.explore_pages import browser_or_skip
+    """Pages of one Chromium for all tests of a process; skips, with a reason, where there is none."""
+    from support.explore_pages import Pages, browser_or_skip
 
     path = browser_or_skip()
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:
         found = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
-        yield found
+        yield Pages(found)
         found.close()
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.editor_pages import README_MODEL, Writing, serving_text, writing_on
-from support.explore_pages import WIDE, Visit
+from support.explore_pages import Visit
 
 import torsionnet as tn
 
@@ -45,12 +45,11 @@ TABLE = "station\tJ [kg*m^2]\tk [MN*m/rad]\nCyl 1\t100\t50\nCyl 2\t100\t40\nFlyw
 @contextmanager
 def visit_faulty(chromium, server):
     """A page whose text is faulty from the start, which draws no curve yet."""
-    context = chromium.new_context(viewport=WIDE)
-    found = Writing(Visit(context.new_page()))
-    found.page.goto(server.address)
-    found.until(lambda: found.page.evaluate("Boolean(globalThis.torsionnet?.text)"), "the text")
-    yield found
-    context.close()
+    with chromium.new() as page:
+        found = Writing(Visit(page))
+        page.goto(server.address)
+        found.until(lambda: page.evaluate("Boolean(globalThis.torsionnet?.text)"), "the text")
+        yield found
 
 
 @pytest.fixture
@@ -380,9 +379,15 @@ def test_cursor_and_schematic_choose_each_other(writing):
     writing.keys.press("ArrowLeft")
     writing.keys.press("ArrowRight")
     writing.until(lambda: writing.page.evaluate(chosen) == "element-stage,node-b", "the gear and its node")
+    asked = sum(one.endswith("outline") for one in writing.found.requests)
+    writing.exchange("0.078", "12.0781")
+    assert (
+        sum(one.endswith("outline") for one in writing.found.requests) == asked
+    )  # digits of a number move places alone
     writing.page.locator("#element-load path").first.click(force=True)
     writing.keys.insert_text("wheel")
     assert "  wheel:  {type: inertia, node: c" in writing.checked().text
+    assert sum(one.endswith("outline") for one in writing.found.requests) > asked
     writing.keys.press("Control+z")
     writing.checked()
     writing.page.locator("#schematic [tabindex='0']").focus()

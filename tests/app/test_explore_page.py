@@ -14,6 +14,9 @@ from torsionnet.app.cli import main
 from torsionnet.app.explore.session import ResponseChoice
 from torsionnet.io import write_frequency_response
 
+POSIX = "Object.defineProperty(Navigator.prototype, 'language', {get: () => 'en-US@posix', configurable: true})"
+"""A language that is no tag of one, as of browsers on Linux without a locale."""
+
 
 @contextmanager
 def serving_amt(folder):
@@ -33,7 +36,7 @@ def amt(tmp_path_factory):
 
 @contextmanager
 def opening(chromium, amt):
-    with visit(chromium, amt.address, viewport=WIDE) as found:
+    with visit(chromium, amt.address, before=POSIX) as found:
         found.until(lambda: len(drawn(found)) == 2, "the test")
         yield found
 

@@ -113,9 +113,7 @@ def test_a_configuration_shows_its_torques_and_the_address_keeps_the_point(opene
 def test_a_page_that_begins_out_of_balance(chromium, tmp_path):
     path = tmp_path / "line.yaml"
     path.write_text(LINE.replace("-80", "-8"))
-    with serving(path) as server:
-        context = chromium.new_context(viewport=WIDE)
-        page = context.new_page()
+    with serving(path) as server, chromium.new() as page:
         page.goto(server.address)
         page.wait_for_selector("#refused:visible")
         assert "leave 18 N*m over" in page.inner_text("#refused")
@@ -124,4 +122,3 @@ def test_a_page_that_begins_out_of_balance(chromium, tmp_path):
         page.keyboard.press("Enter")
         page.wait_for_selector("#refused", state="hidden")
         page.wait_for_selector("#modes tbody tr")
-        context.close()

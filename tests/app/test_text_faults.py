@@ -13,7 +13,7 @@ from torsionnet.app.text.text_edits import edited
 from torsionnet.app.text.text_faults import text_faults
 from torsionnet.base.errors import ModelError
 from torsionnet.model.files.library import library_models
-from torsionnet.model.files.located_yaml import compose
+from torsionnet.model.files.located_yaml import LocatedDocument, compose
 from torsionnet.model.files.reader import read_text
 
 LIBRARY = {name: path.read_text(encoding="utf-8") for name, path in sorted(library_models().items())}
@@ -207,6 +207,9 @@ MENDED = {  # what is wrong in BASE, the title of the first fix; the fix gives B
     "thousands": ("inertia: 2}", "inertia: 13 300 kg*m^2}", "write 13300", "inertia: 13300 kg*m^2}"),
     "cycles as speed": ("inputs:", "operating_point: {speed: {motor: 50 Hz}}\ninputs:", "write 3000 rpm", "motor: 3000 rpm}"),
     "product": ("stiffness: k", "stiffness: 2 k", "write 2*k", "stiffness: 2*k"),
+    "misspelt key alone": ("inertia: 2}", "inert}", "write inertia: 1 kg*m^2", "inertia: 1 kg*m^2}"),
+    "key alone": ("inertia: 2}", "inertia}", "write 1 kg*m^2", "inertia: 1 kg*m^2}"),
+    "no value": ("inertia: 2}", "inertia:}", "write a blank behind the colon", "inertia: }"),
     "unused": ("  k: 1", "  c: 3\n  k: 1", 'delete "c"', ""),
     "misspelt definition": ("torque: motor", "torque: motr", 'write "motor"', ""),
     "line break": ("chain\nparameters:", "chain parameters:", "begin parameters on a line of its own", ""),
@@ -360,3 +363,21 @@ def test_fixes_of_many_faults_in_a_long_text_end(monkeypatch: pytest.MonkeyPatch
     text = "torsionnet: 1\nelements:\n" + "".join(map(spring.format, range(25)))
     mended = [bool(one.fixes) for one in text_faults(text) if "stifness" in one.fault.message]
     assert mended == [True] * 20 + [False] * 5
+
+
+def test_a_fix_is_tried_on_its_entry_alone_and_edits_elsewhere_on_the_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    """So all 200 faults of a text get fixes, and what a fix does to other entries still counts."""
+    read: list[int] = []
+
+    def noted(text: str, file: str) -> LocatedDocument:
+        read.append(len(text))
+        return compose(text, file)
+
+    monkeypatch.setattr("torsionnet.app.text.fixes.value_fixes.compose", noted)
+    wrong = "".join(f"  s{k}: {{type: spring, nodes: [a, b], stifness: 3 N*m/rad}}\n" for k in range(200))
+    found = text_faults(f"torsionnet: 1\nelements:\n{wrong}")
+    assert sum(bool(one.fixes) for one in found if "stifness" in one.fault.message) == 200
+    assert sum(read) < 3 * len(wrong)
+    twice = text_faults(BASE.replace("vehicle:", "rotor:  "), "model.yaml")
+    assert max(read) > len(BASE) - 20
+    assert any(one.fixes for one in twice)

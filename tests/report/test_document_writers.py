@@ -220,18 +220,17 @@ class TestInBrowser:
     @pytest.mark.parametrize("model", ["amt_rig", pytest.param("planetary_set", marks=pytest.mark.slow), "hostile"])
     def test_opens_without_error_request_or_overflow(self, chromium, written, model, width):
         path = written(model)
-        page = chromium.new_page(viewport={"width": width, "height": 900})
         messages, requests = [], []
-        page.on("console", lambda message: messages.append(message.text))
-        page.on("pageerror", lambda error: messages.append(str(error)))
-        page.on("dialog", lambda dialog: messages.append(dialog.message))
-        page.on("request", lambda request: requests.append(request.url))
-        page.goto(path.as_uri())
-        assert messages == []
-        assert requests == [path.as_uri()]
-        assert page.evaluate("document.documentElement.scrollWidth") <= width
-        assert page.evaluate("document.querySelectorAll('merror').length") == 0
-        page.close()
+        with chromium.new({"width": width, "height": 900}) as page:
+            page.on("console", lambda message: messages.append(message.text))
+            page.on("pageerror", lambda error: messages.append(str(error)))
+            page.on("dialog", lambda dialog: messages.append(dialog.message))
+            page.on("request", lambda request: requests.append(request.url))
+            page.goto(path.as_uri())
+            assert messages == []
+            assert requests == [path.as_uri()]
+            assert page.evaluate("document.documentElement.scrollWidth") <= width
+            assert page.evaluate("document.querySelectorAll('merror').length") == 0
 
     @pytest.mark.slow
     @pytest.mark.parametrize(
@@ -240,15 +239,14 @@ class TestInBrowser:
     def test_fits_an_a4_page(self, chromium, written, model):
         """174 mm of text at 96 px to the inch; nothing may be wider when printed."""
         path = written(model)
-        page = chromium.new_page(viewport={"width": 664, "height": 1000})
-        page.emulate_media(media="print")
-        page.goto(path.as_uri())
-        wide = page.evaluate(
-            "[...document.querySelectorAll('table, .formula, figure svg, p')]"
-            ".filter(e => e.getBoundingClientRect().right > 665).map(e => e.outerHTML.slice(0, 200))"
-        )
-        assert wide == []
-        page.close()
+        with chromium.new({"width": 664, "height": 1000}) as page:
+            page.emulate_media(media="print")
+            page.goto(path.as_uri())
+            wide = page.evaluate(
+                "[...document.querySelectorAll('table, .formula, figure svg, p')]"
+                ".filter(e => e.getBoundingClientRect().right > 665).map(e => e.outerHTML.slice(0, 200))"
+            )
+            assert wide == []
 
     @pytest.mark.slow
     def test_pdf(self, tmp_path, monkeypatch):

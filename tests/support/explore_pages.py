@@ -51,6 +51,28 @@ def serving(model, **options):
             thread.join()
 
 
+class Pages:
+    """Pages of one context of a browser: each new context would start a process and compile every script again."""
+
+    def __init__(self, browser):
+        self.context = browser.new_context(viewport=WIDE)
+
+    @contextmanager
+    def new(self, viewport=WIDE, **media):
+        """A page of a size and with media, as ``color_scheme``; what it keeps in the browser goes with it."""
+        page = self.context.new_page()
+        if viewport != WIDE:
+            page.set_viewport_size(viewport)
+        if media:
+            page.emulate_media(**media)
+        try:
+            yield page
+        finally:
+            if page.url.startswith("http"):
+                page.evaluate("localStorage.clear()")
+            page.close()
+
+
 @dataclass
 class Visit:
     """An open page and what was noticed on it."""
@@ -92,20 +114,19 @@ class Visit:
 
 
 @contextmanager
-def visit(browser, address, **options):
-    """The page behind an address, ready."""
-    context = browser.new_context(accept_downloads=True, **options)
-    context.add_init_script("localStorage.setItem('torsionnet choosers', 'open')")
-    found = Visit(context.new_page())
-    found.page.on("console", lambda message: found.console.append(message.text))
-    found.page.on("pageerror", lambda error: found.console.append(str(error)))
-    found.page.on("request", lambda request: found.requests.append(request.url))
-    found.page.goto(address)
-    found.until(lambda: found.updates, "the first curve")
-    try:
+def visit(pages, address, before="", **options):
+    """The page behind an address, ready; a script may run before those of the page."""
+    with pages.new(**options) as page:
+        if before:
+            page.add_init_script(before)
+        page.add_init_script("localStorage.setItem('torsionnet choosers', 'open')")
+        found = Visit(page)
+        page.on("console", lambda message: found.console.append(message.text))
+        page.on("pageerror", lambda error: found.console.append(str(error)))
+        page.on("request", lambda request: found.requests.append(request.url))
+        page.goto(address)
+        found.until(lambda: found.updates, "the first curve")
         yield found
-    finally:
-        context.close()
 
 
 def kept_quiet(found, amt):

@@ -181,6 +181,10 @@ class WrittenText:
         if node.value is not None and node.entries and not self.is_flow(node) and node.key_place:
             colon = self.text.index(":", self.offset(node.key_place[2], node.key_place[3])) + 1
             span, blank = TextSpan(colon, span.end), " "
+        elif node.value is None and node.key_place:
+            key_end = self.offset(node.key_place[2], node.key_place[3])
+            if ":" not in self.text[key_end : max(key_end, span.start)]:  # a name alone in brackets
+                span, blank = TextSpan(key_end, key_end), ": "
         return TextEdit(span, blank + self.written(value))
 
     def insertion(self, parent: EntryPath, key: str, value: Json) -> TextEdit:

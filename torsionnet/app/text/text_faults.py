@@ -8,6 +8,7 @@ from pathlib import Path
 
 from torsionnet.app.text.fixes.quick_fixes import quick_fixes
 from torsionnet.app.text.fixes.syntax_fixes import syntax_fixes
+from torsionnet.app.text.fixes.value_fixes import FaultPlace
 from torsionnet.app.text.text_edits import TextFix, TextLines, TextSpan, WrittenText
 from torsionnet.app.text.tolerant_reading import tolerant_document
 from torsionnet.app.text.unstable_configurations import unstable_configurations
@@ -105,7 +106,7 @@ MOST_RECOVERED = 500_000
 MOST_MENDED = 300
 """Largest number of faults of a text that get fixes; nobody reads more of them, and each takes a while."""
 _FEWEST_MENDED = 20
-"""Number of faults that get fixes in a text of any length; each fix is tried by reading the whole text again."""
+"""Number of faults that get fixes in a text of any length; a fix may have to be tried by reading all of it again."""
 _MOST_REREAD = 1_500_000
 """Number of characters read again for fixes, after which the faults that follow get none until others are mended."""
 
@@ -166,17 +167,17 @@ def stretched_faults(text: str, faults: list[Fault], file: str = "", folder: Pat
             for placed in located
         ]
     written = WrittenText(text, document, file.lower().endswith(".json"))
-    many = min(MOST_MENDED, max(_FEWEST_MENDED, _MOST_REREAD // max(1, len(text))))
-    located = [_located(fault, lines, file) for fault in faults]
-    mended = [_with_fixes(*pair, written, faults) for pair in zip(located[:many], faults[:many], strict=True)]
-    return [*mended, *located[many:]]
-
-
-def _with_fixes(located: LocatedFault, fault: Fault, written: WrittenText, others: list[Fault]) -> LocatedFault:
-    """Fault with its fixes, if it stands in this text and is more than a note."""
-    if fault.severity == "note" or located.fault is not fault or not isinstance(written.document.data, dict):
-        return located
-    return replace(located, fixes=quick_fixes(fault, located.span, written, others))
+    found, left = [], _MOST_REREAD
+    for number, fault in enumerate(faults):
+        located = _located(fault, lines, file)
+        is_here = located.fault is fault and isinstance(document.data, dict)
+        if fault.severity != "note" and is_here and number < (MOST_MENDED if left > 0 else _FEWEST_MENDED):
+            place = FaultPlace(fault, located.span, written, faults)
+            located = replace(located, fixes=quick_fixes(place))
+            part, _ = place.read_again
+            left -= part.end - part.start
+        found.append(located)
+    return found
 
 
 def _located(fault: Fault, lines: TextLines, file: str) -> LocatedFault:

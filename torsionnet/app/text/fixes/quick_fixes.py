@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 
 from torsionnet.app.text.fixes import value_fixes
 from torsionnet.app.text.fixes.value_fixes import FaultPlace, example_values
@@ -12,7 +12,6 @@ from torsionnet.base.errors import (
     INSERT,
     LEAVE_OUT,
     SEPARATE,
-    Fault,
     ModelError,
     UsageError,
 )
@@ -55,12 +54,7 @@ def entry_without_value(place: FaultPlace) -> Iterator[TextFix]:
     if fault.kind != "empty-entry" or not fault.about or place.value_span is None:
         return
     yield from place.without(fault.path)
-    for value in example_values(place.written.document, fault.path[:-1], fault.about):
-        edit = place.written.replacement(fault.path, value)
-        fixes = list(place.fix(f"write {place.written.entry_text(fault.about, value)}", edit))
-        if fixes:
-            yield from fixes
-            return
+    yield from place.with_value(fault.about)
 
 
 def given_twice(place: FaultPlace) -> Iterator[TextFix]:
@@ -235,14 +229,11 @@ _RULES: tuple[Callable[[FaultPlace], Iterable[TextFix]], ...] = (
 )
 
 
-def quick_fixes(
-    fault: Fault, span: TextSpan, written: WrittenText, others: Sequence[Fault] = ()
-) -> tuple[TextFix, ...]:
+def quick_fixes(place: FaultPlace) -> tuple[TextFix, ...]:
     """Fixes of a fault in a text that is sound YAML, the likeliest first; none where nobody can know what was meant.
 
-    Each one names what it writes. ``others`` are all faults of the text.
+    Each one names what it writes.
     """
-    place = FaultPlace(fault, span, written, others)
     fixes: dict[tuple[TextEdit, ...], TextFix] = {}
     for rule in _RULES:
         try:

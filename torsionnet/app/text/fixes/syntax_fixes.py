@@ -249,6 +249,11 @@ def _behind(here: _Break) -> Iterator[TextFix]:
         yield here.deleted(behind[0], start, start + len(behind[0]))
 
 
+def _blank_for_value(here: _Break) -> Iterator[TextFix]:
+    for colon in re.finditer(r"(?<=\w):(?=[}\],])", here.line):
+        yield here.inserted("write a blank behind the colon", here.start + colon.end(), " ")
+
+
 def _single_quotes(here: _Break) -> Iterator[TextFix]:
     for quoted in re.finditer(r'"([^"]*)"', here.line):
         if "\\" in quoted[1] and "'" not in quoted[1]:
@@ -273,6 +278,7 @@ _RULES = (
     (_tabs, ("wrong-indentation",)),
     (_indentation, ("wrong-indentation",)),
     (_quote, ("open-quote",)),
+    (_blank_for_value, ("missing-value",)),
     (_bracket, ("open-bracket", "missing-value")),
     (_colon, ("missing-colon",)),
     (_joined, ("stray-colon", "wrong-indentation")),

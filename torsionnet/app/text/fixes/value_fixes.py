@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -71,6 +71,22 @@ class FaultPlace:
         node = node_at(self.written.document, self.fault.path)
         return node is not None and node.value is None and not self.fault.on_key and self.fault.kind != "repeated-name"
 
+    @cached_property
+    def read_again(self) -> tuple[TextSpan, str]:
+        """Stretch of the text that is read again to try a fix, and the heading that it needs.
+
+        An entry of a section where it has lines of its own, else the whole text.
+        """
+        written, path = self.written, self.fault.path
+        whole = TextSpan(0, len(written.text)), ""
+        node = node_at(written.document, path[:2]) if len(path) > 1 and not written.is_json else None
+        if node is None or node.key_place is None or written.is_flow(written.node(path[:1])):
+            return whole
+        line, column = written.lines.place(written.key_start(node))
+        if written.line(line)[:column].strip():
+            return whole
+        return TextSpan(written.lines.starts[line], written.line_end(written.last_line(node))), f"{path[0]}:\n"
+
     def fix(self, title: str, *edits: TextEdit) -> Iterator[TextFix]:
         """Fix by some edits, if reading the changed entry finds nothing new."""
         if edits and self._mends(edits):
@@ -91,17 +107,43 @@ class FaultPlace:
             if node_at(self.written.document, path) is not None and path:
                 yield from self.fix(f'delete "{path[-1]}"', *self.written.removal(path))
 
+    def with_value(self, key: str, *edits: TextEdit) -> Iterator[TextFix]:
+        """First fix that gives the entry at the path, named ``key`` after edits, an example of its value."""
+        for value in example_values(self.written.document, self.fault.path[:-1], key):
+            edit = self.written.replacement(self.fault.path, value)
+            fixes = list(self.fix(f"write {self.written.entry_text(key, value)}", *edits, edit))
+            if fixes:
+                yield from fixes
+                return
+
     def _mends(self, edits: tuple[TextEdit, ...]) -> bool:
+        part, _ = self.read_again
+        alone = all(part.start <= edit.span.start and edit.span.end <= part.end for edit in edits)
+        before = self._faults_alone if alone else self._faults_read
         try:
-            document = compose(edited(self.written.text, edits).removeprefix("\ufeff"), self.written.document.file)
+            after = self._faults_after(edits, alone=alone)
         except (ModelError, ValueError):
             return False
-        before, after = self._faults_read, section_faults(document, self.fault)
         return after <= before and (after < before or _bare(self.fault) not in before)
+
+    def _faults_after(self, edits: Iterable[TextEdit], *, alone: bool) -> set[Fault]:
+        """Faults in reading the section of the fault after edits, or its stretch alone."""
+        text, heading = self.written.text, ""
+        if alone:
+            part, heading = self.read_again
+            text = text[part.start : part.end]
+            spans = (TextSpan(edit.span.start - part.start, edit.span.end - part.start) for edit in edits)
+            edits = [TextEdit(span, edit.text) for span, edit in zip(spans, edits, strict=True)]
+        text = heading + edited(text, edits).removeprefix("\ufeff")
+        return section_faults(compose(text, self.written.document.file), self.fault)
 
     @cached_property
     def _faults_read(self) -> set[Fault]:
         return section_faults(self.written.document, self.fault)
+
+    @cached_property
+    def _faults_alone(self) -> set[Fault]:
+        return self._faults_after((), alone=True)
 
 
 def section_faults(document: LocatedDocument, fault: Fault) -> set[Fault]:
@@ -320,7 +362,10 @@ def name_meant(place: FaultPlace) -> Iterator[TextFix]:
         edits = tuple(word_edits(fault.about, text[span.start : span.end], span.start, meant))
         if edits and fault.about != meant:
             yield from place.fix(f'write "{meant}"', *edits)
-            return
+            break
+    node = node_at(place.written.document, fault.path)
+    if fault.kind == "unknown-entry" and node is not None and node.value is None:
+        yield from place.with_value(meant, *edits)
 
 
 def valid_name(place: FaultPlace) -> Iterator[TextFix]:
