@@ -1,7 +1,8 @@
-"""Times from a keystroke in the text pane to faults, schematic with modes, and response, beside the commands for them.
+"""Processor time of the server for a keystroke in the text pane, and times from it to faults, schematic and response.
 
-The server of the page runs in a process of its own. Another client asks it for responses over speed all the time, as a
-page does while a slider moves; each keystroke is one digit of a stiffness.
+The first is told beside an eigenvalue problem of the size of the model's, the latter beside the commands for them. For
+them the server of the page runs in a process of its own. Another client asks it for responses over speed all the time,
+as a page does while a slider moves; each keystroke is one digit of a stiffness.
 """
 
 import itertools
@@ -17,13 +18,17 @@ import urllib.request
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
+
 from benchmarks._sizes import sized
+from torsionnet.app.explore import open_documents
+from torsionnet.app.explore.api import reply
 
 ROOT = Path(__file__).parents[1]
 GOALS = {"two_stroke_ship": (80, 150, 200), "200 nodes": (400, 400, 400)}
 """Model -> goals in ms for faults, schematic with modes, and response, as 95th percentiles."""
 WHAT = ("faults", "schematic and modes", "response")
-KEYSTROKES, RUNS = sized(40, 3), sized(5, 1)
+KEYSTROKES, RUNS, STROKES = sized(40, 3), sized(5, 1), sized(30, 2)
 
 
 def chain(nodes=200):
@@ -61,7 +66,7 @@ def asked(address, question, **entries):
 
 def keystrokes(text):
     """Texts that differ in one digit of the first stiffness from one to the next."""
-    found = re.search(r"\n +(?:k_\w+|shaft_1): [^\n]*?(?:value|stiffness): (\d)", text)
+    found = re.search(r"\n +\w+: [^\n]*?(?:value|stiffness): (\d)", text)
     assert found is not None
     for digit in itertools.cycle("123456789"):
         yield text[: found.start(1)] + digit + text[found.end(1) :]
@@ -97,6 +102,40 @@ def measured(path):
     return times[1:]  # the first one loads what the others find loaded
 
 
+def processor_times(path):
+    """Processor time in ms by question that the page asks after a keystroke, the median of some, and how many nodes."""
+    documents, _ = open_documents(path)
+
+    def ask(question, **entries):
+        began = time.process_time()
+        body = json.dumps({"document": "bench", **entries}).encode()
+        answer = json.loads(reply(documents, f"api/{question}", body))
+        return answer, 1000 * (time.process_time() - began)
+
+    opened, described = ask("open")[0], ask("model")[0]
+    state, found = described["start"], {}
+    for revision, text in zip(range(1, STROKES + 2), keystrokes(opened["text"]), strict=False):
+        # The outline stays where digits alone change; over speed all speeds are asked for once it is quiet.
+        asked = [("text", {"revision": opened["revision"] + revision, "text": text})]
+        asked += [("answer", {**state, "rough": True}), ("schematic", state), ("motion", state)]
+        asked += [("answer", state)] if state["axis"] == "speed" else []
+        for number, (question, entries) in enumerate(asked):
+            answer, took = ask(question, **entries)
+            assert "refused" not in answer, answer
+            found.setdefault(f"{question} at rest" if number > 3 else question, []).append(took)
+    return {question: statistics.median(times[1:]) for question, times in found.items()}, opened["text"].count(
+        "inertia:"
+    )
+
+
+def of_eigenvalues(nodes):
+    """Processor time in ms of numpy's eigenvalues and vectors of a full matrix with two states a node."""
+    matrix = np.random.default_rng(0).normal(size=(2 * nodes, 2 * nodes))
+    began = time.process_time()
+    np.linalg.eig(matrix)
+    return 1000 * (time.process_time() - began)
+
+
 def command(*words):
     """Time in ms of a command that tells the same, once for each saved file."""
     began = time.perf_counter()
@@ -110,6 +149,14 @@ def main():
         ship, line = Path(folder) / "two_stroke_ship.yaml", Path(folder) / "chain.yaml"
         ship.write_text((ROOT / "library" / "two_stroke_ship.yaml").read_text("utf-8"), "utf-8")
         line.write_text(chain(), "utf-8")
+        large = Path(folder) / "large.yaml"
+        large.write_text(chain(sized(1000, 150)), "utf-8")
+        for path in (ship, ROOT / "library" / "reciprocating_compressor_train.yaml", line, large):
+            times, nodes = processor_times(path)
+            whole, alone = sum(times.values()), of_eigenvalues(nodes)
+            parts = ", ".join(f"{question} {took:.0f}" for question, took in times.items())
+            ratio = f"{whole / alone:.3g} times eig of {2 * nodes} states ({alone:.0f} ms)"
+            print(f"{path.stem}: {whole:.0f} ms of the processor a keystroke, {ratio}: {parts}")
         for (name, goals), path in zip(GOALS.items(), (ship, line), strict=True):
             times = measured(path)
             for what, goal, column in zip(WHAT, goals, zip(*times, strict=True), strict=True):

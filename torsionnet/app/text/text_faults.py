@@ -167,16 +167,17 @@ def stretched_faults(text: str, faults: list[Fault], file: str = "", folder: Pat
             for placed in located
         ]
     written = WrittenText(text, document, file.lower().endswith(".json"))
-    found, left = [], _MOST_REREAD
+    found: list[LocatedFault] = []
+    left = _MOST_REREAD
     for number, fault in enumerate(faults):
-        located = _located(fault, lines, file)
-        is_here = located.fault is fault and isinstance(document.data, dict)
+        one = _located(fault, lines, file)
+        is_here = one.fault is fault and isinstance(document.data, dict)
         if fault.severity != "note" and is_here and number < (MOST_MENDED if left > 0 else _FEWEST_MENDED):
-            place = FaultPlace(fault, located.span, written, faults)
-            located = replace(located, fixes=quick_fixes(place))
+            place = FaultPlace(fault, one.span, written, faults)
+            one = replace(one, fixes=quick_fixes(place))
             part, _ = place.read_again
             left -= part.end - part.start
-        found.append(located)
+        found.append(one)
     return found
 
 

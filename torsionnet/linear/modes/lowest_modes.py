@@ -31,7 +31,7 @@ from torsionnet.linear.modes.spectrum import Eigenpairs
 
 Apply: TypeAlias = Callable[[FloatArray], FloatArray]
 
-MODES_PER_SPARSE_MODE = 5
+MODES_PER_SPARSE_MODE = 4
 """Number of all modes over number of modes sought, below which the dense solution of all modes is quicker."""
 SPARSE_TOLERANCE = 1e-10
 """Estimated relative error of an eigenvalue up to which the sparse result is used."""

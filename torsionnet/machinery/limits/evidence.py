@@ -12,7 +12,7 @@ from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.mean.power_flow import mean_power, power_flows
 from torsionnet.machinery.orders.order_amplitudes import OrderAmplitudes
 from torsionnet.machinery.orders.order_line import summed_sizes
-from torsionnet.machinery.orders.order_response import OrderResponse
+from torsionnet.machinery.orders.order_response import OrderResponse, half_ranges_of
 from torsionnet.machinery.orders.worst_response import WorstResponse
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan
 from torsionnet.model.channels import Sensor
@@ -109,7 +109,7 @@ class Evidence:
 
     def size(self, sensors: Sequence[Sensor]) -> FloatArray:
         """Half range of the sum of all orders, the largest of the sensors, in SI units, shape (n_speeds,)."""
-        return np.asarray(self.run.half_range_of([self._place(sensor) for sensor in sensors]).max(axis=1))
+        return np.asarray(half_ranges_of(self.run, [self._place(sensor) for sensor in sensors]).max(axis=1))
 
     def size_by_case(self, sensors: Sequence[Sensor]) -> FloatArray | None:
         """Half range in each case of excitation, the largest of the sensors, in SI units, shape (n_speeds, n_cases).
@@ -119,11 +119,11 @@ class Evidence:
         if not isinstance(self.run, WorstResponse) or len(self.run.each) < 2:
             return None
         places = [self._place(sensor) for sensor in sensors]
-        return np.stack([case.half_range_of(places).max(axis=1) for case in self.run.each], axis=1)
+        return np.stack([half_ranges_of(case, places).max(axis=1) for case in self.run.each], axis=1)
 
     def largest_of(self, sensors: Sequence[Sensor], at: int) -> Sensor:
         """Sensor with the largest half range of the sum of all orders at a speed, given by its index."""
-        return max(sensors, key=lambda sensor: float(self.run.half_range_of([self._place(sensor)])[at, 0]))
+        return max(sensors, key=lambda sensor: float(half_ranges_of(self.run, [self._place(sensor)])[at, 0]))
 
     def orders(self, sensors: Sequence[Sensor]) -> OrderAmplitudes:
         """Amplitudes of every order in SI units, those of the sensor with the largest half range at each speed."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from torsionnet.linear.frequency_response import ComplexArray, FloatArray
 from torsionnet.machinery.orders.order_line import lines_of_one_frequency, sum_name
-from torsionnet.machinery.orders.order_response import OrderResponse
+from torsionnet.machinery.orders.order_response import OrderResponse, half_ranges_of
 from torsionnet.machinery.orders.worst_response import WorstResponse
 
 CaseIndices: TypeAlias = NDArray[np.int64]
@@ -41,7 +41,7 @@ class OrderAmplitudes:
     def of(cls, run: OrderResponse, places: Sequence[int]) -> OrderAmplitudes:
         """Amplitudes of some outputs of a response by their indices: at each speed those of the largest half range."""
         speeds = np.arange(len(run.speeds))
-        most = np.asarray(places)[np.argmax(run.half_range_of(places), axis=1)]
+        most = np.asarray(places)[np.argmax(half_ranges_of(run, places), axis=1)]
         cases = run.chosen[speeds, most] if isinstance(run, WorstResponse) else np.zeros(len(speeds), dtype=np.int64)
         return cls(run.sizes[:, :, places].max(axis=2), run.values[speeds, :, most], cases)
 

@@ -264,11 +264,6 @@ class OrderResponse(SavedResult):
     def _known_bounds(self) -> dict[int, FloatArray]:
         return {}
 
-    def half_range_of(self, places: Sequence[int]) -> FloatArray:
-        """Half ranges in SI units of outputs by their indices, as :attr:`half_range`, shape (n_speeds, n_places)."""
-        bounds = self._bounds(places)
-        return np.asarray((bounds[0] - bounds[1]) / 2)
-
     @property
     def unmet(self) -> NDArray[np.bool_]:
         """Whether no motion is known at a speed that can be met, shape (n_speeds,); a linear response always is one."""
@@ -277,7 +272,7 @@ class OrderResponse(SavedResult):
     @property
     def half_range(self) -> FloatArray:
         """Half range (max - min)/2 of the sum of all orders in SI units of the outputs, shape (n_speeds, n_out)."""
-        return self.half_range_of(range(len(self.outputs)))
+        return half_ranges_of(self, range(len(self.outputs)))
 
     @property
     def peak_to_peak(self) -> FloatArray:
@@ -454,6 +449,12 @@ class OrderResponse(SavedResult):
         for place, count in zip(places, counts, strict=True):
             spectrum[:, count] += self.values[:, place]
         return spectrum
+
+
+def half_ranges_of(run: OrderResponse, places: Sequence[int]) -> FloatArray:
+    """Half ranges in SI units of some outputs of a response, by their indices, shape (n_speeds, n_places)."""
+    bounds = run._bounds(places)  # noqa: SLF001  # not for users, who name outputs
+    return np.asarray((bounds[0] - bounds[1]) / 2)
 
 
 def _families(lines: Sequence[OrderLine]) -> Iterator[tuple[list[int], list[int] | None]]:
