@@ -21,10 +21,12 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks._sizes import sized
-from torsionnet.app.explore import open_documents
-from torsionnet.app.explore.api import reply
 
 ROOT = Path(__file__).parents[1]
+sys.path.append(str(ROOT / "tests"))
+
+from support.explore_texts import Page  # noqa: E402
+
 GOALS = {"two_stroke_ship": (80, 150, 200), "200 nodes": (400, 400, 400)}
 """Model -> goals in ms for faults, schematic with modes, and response, as 95th percentiles."""
 WHAT = ("faults", "schematic and modes", "response")
@@ -104,12 +106,11 @@ def measured(path):
 
 def processor_times(path):
     """Processor time in ms by question that the page asks after a keystroke, the median of some, and how many nodes."""
-    documents, _ = open_documents(path)
+    page = Page.of(path)
 
     def ask(question, **entries):
         began = time.process_time()
-        body = json.dumps({"document": "bench", **entries}).encode()
-        answer = json.loads(reply(documents, f"api/{question}", body))
+        answer = page.ask(question, **entries)
         return answer, 1000 * (time.process_time() - began)
 
     opened, described = ask("open")[0], ask("model")[0]

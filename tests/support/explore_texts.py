@@ -2,6 +2,7 @@
 
 import json
 
+from torsionnet.app.explore import open_documents
 from torsionnet.app.explore.api import reply
 
 RIG = """torsionnet: 1
@@ -20,6 +21,11 @@ class Page:
 
     def __init__(self, documents):
         self.documents = documents
+
+    @classmethod
+    def of(cls, path):
+        """That of a model file."""
+        return cls(open_documents(path)[0])
 
     def ask(self, path, tab="tab", **entries):
         return json.loads(reply(self.documents, f"api/{path}", json.dumps({"document": tab, **entries}).encode()))
