@@ -150,3 +150,16 @@ limits: {k: {rule: gear, element: k, vibratory_share: 30 %}}
         tn.loads(text)
     assert [fault.path for fault in error.value.faults] == [("speeds", "range")]
     assert tn.loads(text.replace("300..788", "[31.4, 82.5]")).definition.speeds.range == (31.4, 82.5)
+
+
+def test_an_engine_that_is_declutched_and_still_acts_is_told():
+    """It turns by itself then: no speed of its orders follows from that of the reference shaft."""
+    rig = tn.Drivetrain(
+        "plant", plant().elements.values(), speeds={"of": "d", "list": ["700 rpm"], "rated": "750 rpm"},
+        excitations={"engine": ENGINE},
+        configurations={"clutch": {"in": {}, "out": {"off": ["k"]}, "stopped": {"off": ["k"], "engine.enabled": False}}},
+    )  # fmt: skip
+    told = [(fault.configuration, fault.message) for fault in rig.check() if fault.kind == "no-ratio"]
+    ((configuration, message),) = told
+    assert configuration == "out"
+    assert message.endswith("switch it off there, engine.enabled: false")

@@ -1,5 +1,7 @@
 """Sections of a report on running machinery: what stands in them, and that models without it have none."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from support.report_blocks import blocks, of, rows
@@ -8,6 +10,7 @@ from support.written_models import TWO_FANS
 import torsionnet as tn
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Paragraph, Picture, TableBlock
+from torsionnet.report.sections.excitations import _torques
 
 SENSOR = "sensors: {T_s: {torque: shaft}, phi: {angle: f}}\n"
 
@@ -28,6 +31,23 @@ class TestExcitations:
 
     def test_amplitude_and_phase_of_every_order(self, found):
         assert rows(table(found, "excitations", "Torques of fan"))[0][:3] == ("5", "12.00", "20.0")
+
+    def test_orders_that_cancel_have_no_amplitude_and_no_phase(self):
+        """Two cylinders half a revolution apart on one crank: of odd orders nothing is left but rounding."""
+        pressure = 1e5 + 80e5 * np.exp(-(((np.arange(72) * 5 - 15) / 25.0) ** 2))
+        engine = {
+            "type": "reciprocating_engine", "speed_of": "a", "cycle": 2, "cylinders": {1: "a", 2: "a"},
+            "firing_order": [1, 2], "bore": 0.3, "stroke": 0.4, "rod_length": 0.8, "reciprocating_mass": 50,
+            "orders": [1, 2, 3], "gas": {"fired": pressure.tolist()},
+        }  # fmt: skip
+        parts = [tn.Inertia("A", node="a", inertia=1), tn.Spring("k", nodes=("a", "b"), stiffness=1)]
+        rig = tn.Drivetrain(
+            "rig", [*parts, tn.Inertia("B", node="b", inertia=1)], speeds={"of": "a", "list": ["600 rpm"]},
+            excitations={"engine": engine},
+        )  # fmt: skip
+        shown = rows(_torques(SimpleNamespace(drivetrain=rig), "engine", rig.definition.excitations["engine"]))
+        assert [row[:3] for row in (shown[0], shown[2])] == [("1", "0", ""), ("3", "0", "")]
+        assert float(shown[1][1]) > 1e3
 
     def test_what_a_configuration_changes(self, found):
         changes = table(found, "excitations", "What configurations change")

@@ -121,7 +121,8 @@ class Fault:
     @property
     def text(self) -> str:
         """Message of the fault, with the configuration in which it holds."""
-        return f"in configuration {self.configuration}: {self.message}" if self.configuration else self.message
+        where = "in configuration {name}: {message}"
+        return phrase(where, name=self.configuration, message=self.message) if self.configuration else self.message
 
     def __str__(self) -> str:
         said = f"{self.severity}: {printable_text(self.text)}{in_brackets(self.kind)}"

@@ -197,7 +197,7 @@ def channel_words(channel: Sensor | Input) -> str:
     """Text of a sensor or input, which keeps the names in it."""
     if isinstance(channel, Input):
         nodes = map(ModelName, filter(None, (channel.of, channel.against)))
-        return phrase("{} on {} against {}" if channel.against else "{} on {}", channel.quantity, *nodes)
+        return phrase(f"{channel.quantity} on {{}}{' against {}' * bool(channel.against)}", *nodes)
     names = list(map(ModelName, filter(None, (channel.of, channel.at or channel.against))))
     text = phrase("{}({}, {})" if len(names) > 1 else "{}({})", channel.quantity, *names)
     return phrase("{}{}{}", text, REFERRED, ModelName(channel.referred_to)) if channel.referred_to else text

@@ -154,6 +154,7 @@ OWNERS = {
 CONDITIONS_AT_RATED_SPEED = (
     "torsionnet.machinery.checks.rating_mismatches:rating_mismatches",
     "torsionnet.machinery.checks.excitation_checks:archer_at_small_torque",
+    "torsionnet.machinery.checks.excitation_checks:cut_off_excitations",
 )
 """Places of the checks of powers and speeds at rated speed, functions of the external torques."""
 EXCITATION_NUMBERS = "torsionnet.machinery.excitations.excitation_numbers:with_numbers"

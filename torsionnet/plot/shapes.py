@@ -16,6 +16,7 @@ import torsionnet.plot.drawing.style as style
 from torsionnet.base.conventions import SI, Conventions, index_of_mode
 from torsionnet.base.errors import UsageError, comma_list, did_you_mean
 from torsionnet.base.number_text import NumberText
+from torsionnet.base.phrases import phrase
 from torsionnet.linear.modes.modes import OSCILLATORY, Modes
 from torsionnet.machinery.holzer.holzer_table import HolzerTable, vibration_nodes
 from torsionnet.plot.drawing.style import GivenAxes
@@ -155,7 +156,7 @@ def shape_view(
     factors = np.array([turning.of[node] for node in modes.nodes])
     # Without any ratio a referred angle is the angle itself.
     plain = np.allclose(factors, 1.0, rtol=1e-12)
-    label = "angle [-]" if plain else f"angle referred to {reference} [-]"
+    label = phrase("angle") if plain else phrase("angle referred to {node}", node=reference)
     # What cannot turn stays at zero whatever its ratio.
     seen = {station.node for station in axis.stations}
     seen = {node for node in seen if np.any(np.abs(modes.shapes[modes.nodes.index(node)]) > STANDING_AMPLITUDE)}
@@ -178,7 +179,7 @@ def _panels(
             scattered |= _panel(axes, modes, index, view, conventions)
         for axes in grid[-1, :] if len(chosen) % columns == 0 else [*grid[-1, :1], *grid[-2:-1, 1]]:
             axes.tick_params(labelbottom=True)
-        sheet.label_all(y=view.label, fontsize=style.FONT)
+        sheet.label_all(y=f"{view.label} [-]", fontsize=style.FONT)
     _legend(sheet, len(modes), chosen, view, scattered=scattered)
     return sheet
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from itertools import groupby
 from typing import Any
 
 from torsionnet.base.number_text import aligned_numbers, prefix_of
+from torsionnet.base.phrases import joined
 from torsionnet.base.table import Column, Table
 from torsionnet.report.document_tree import Cell, Heading, Inline, Math, NumberText, TableBlock, TableGroup, inlines
 from torsionnet.report.report_text import as_words, capital, unit
@@ -189,11 +191,9 @@ def shown_cells(row: Sequence[Cell]) -> list[tuple[object, ...]]:
 def join_texts(cell: Cell) -> Cell:
     """Cell of a table whose neighbouring texts are put together."""
     parts: list[Inline] = []
-    for part in inlines(cell):
-        if parts and isinstance(part, str) and isinstance(parts[-1], str):
-            parts[-1] += part
-        else:
-            parts.append(part)
+    for is_text, run in groupby(inlines(cell), lambda part: isinstance(part, str)):
+        pieces = tuple(run)
+        parts += (joined("", map(str, pieces)),) if is_text and len(pieces) > 1 else pieces
     return parts[0] if len(parts) == 1 else tuple(parts)
 
 

@@ -127,9 +127,15 @@ def sentence(text: str, rig: Drivetrain, further: Sequence[str] = ()) -> Text:
             parts[-1] += as_words(piece) if piece in words else piece
         elif piece:
             parts.append(as_words(piece) if piece in words else piece)
-    if isinstance(text, Phrase) and len(parts) == 1:
+    if not isinstance(text, Phrase):
+        return tuple(parts)
+    if len(parts) == 1:
         return (with_values(text, lambda value: "".join(map(str, sentence(value, rig, further)))),)
-    return tuple(parts)
+    # Symbols part a phrase: what stands between its places may be said otherwise, piece by piece.
+    pieces = PLACEHOLDER.split(text.template)
+    inserted = (piece for place in pieces[1::2] for piece in (sentence(str(text.values[place]), rig, further),))
+    said = zip(((piece,) if piece else () for piece in pieces[::2]), (*inserted, ()), strict=True)
+    return tuple(inline for words, value in said for inline in (*words, *value))
 
 
 def _unbroken_percent(text: str) -> str:

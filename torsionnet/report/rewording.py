@@ -59,6 +59,7 @@ REWORDED_COLUMNS = {
     "Of",
     "Property",
     "Quantity",
+    "Sign",
     "Speeds not permitted",
     "Type",
     "Verdict",

@@ -21,6 +21,7 @@ from typing import Any
 import sympy
 
 from torsionnet.base.errors import UsageError
+from torsionnet.base.phrases import phrase
 from torsionnet.base.program import Program, ProgramNode
 from torsionnet.base.registers import Memo
 from torsionnet.linear.assembly.assembled import AssembledModel
@@ -149,7 +150,8 @@ def _of_cut(
         return whole
     rested = _mechanism(rest, [output], referred_to)
     removed = ", ".join(name for name in drivetrain.elements if name not in kept)
-    notes = (*whole.notes, f"cut at {whole.channels[1].name}: independent of {removed}") if removed else whole.notes
+    said = phrase("cut at {sensor}: independent of {removed}", sensor=whole.channels[1].name, removed=removed)
+    notes = (*whole.notes, said) if removed else whole.notes
     into = sign if sensor.of in kept else -sign
     return SymbolicRequest(rested, parts_of(rested, output), None, {node: 1}, into, whole.channels, notes)
 

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 from torsionnet.base.errors import UsageError, did_you_mean, remedy
+from torsionnet.base.phrases import joined, phrase
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.law_stiffness import Functional, functional
 from torsionnet.linear.assembly.system import Assembly
@@ -220,8 +221,8 @@ def resolve_inputs(
             f"there must be as many of one as of the other{_known_inputs(drivetrain)}",
             kind="wrong-count",
         )
-    names = ", ".join(str(entry) for entry in excitations)
-    notes = (f"measured input; excitation: {names}",)
+    names = joined(", ", map(str, excitations))
+    notes = (phrase("measured input; excitation: {names}", names=names),)
     return TransferRequest((), measured, excitations, is_measured=True, assembly=drivetrain.assembly, notes=notes)
 
 

@@ -16,6 +16,7 @@ from typing import Annotated
 import numpy as np
 
 from torsionnet.base.errors import UsageError, did_you_mean
+from torsionnet.base.phrases import phrase
 from torsionnet.base.result_rows import Out
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import FloatArray, RowSystem
@@ -76,8 +77,8 @@ class VibrationMode:
     def remark(self) -> Annotated[str, Out("remark", json=None, after="shape")]:
         """Text on why a frequency of a mode is missing (overdamped, or only with damping); empty if none is."""
         if math.isnan(self.natural_frequency):
-            return "overdamped: none with damping"
-        return "exists with damping only" if math.isnan(self.undamped_frequency) else ""
+            return phrase("overdamped: none with damping")
+        return phrase("exists with damping only") if math.isnan(self.undamped_frequency) else ""
 
 
 def amplification(frequency_ratio: float, damping_ratio: float) -> float:

@@ -253,7 +253,7 @@ def _named(solution: EigenSolution, group: Sequence[int]) -> str:
     numbers = mode_numbers(solution.kinds)
     known = [str(numbers[i]) for i in group if numbers[i] is not None]
     if known:
-        return f"modes {', '.join(known[:-1])} and {known[-1]}"
+        return phrase("modes {first} and {last}", first=", ".join(known[:-1]), last=known[-1])
     return f"{len(group)} real poles at {solution.eigenvalues[group[0]].real:.6g} rad/s"
 
 

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.base.errors import SolveError, UsageError, warn_user
+from torsionnet.base.phrases import phrase
 from torsionnet.base.registers import Groups
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import ActionLaw, ComplexArray, FloatArray, Rows, RowSystem
@@ -149,7 +150,8 @@ def _of_cut_system(
     place = {node: number for number, node in enumerate(drivetrain.nodes)}
     shapes[[place[node] for node in rest_modes.nodes]] = rest_modes.shapes
     removed = [name for name in drivetrain.elements if name not in rest.elements]
-    notes = (f"poles of the drivetrain cut at {measured}, without {', '.join(removed)}",)
+    said = "poles of the drivetrain cut at {sensor}, without {removed}"
+    notes = (phrase(said, sensor=str(measured), removed=", ".join(removed)),)
     rest_modes = replace(
         rest_modes, nodes=drivetrain.nodes, shapes=shapes, title=f"{drivetrain.title}, cut at {measured}", notes=notes
     )

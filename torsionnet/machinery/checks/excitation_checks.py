@@ -179,6 +179,21 @@ def _all_imposed(channel: Input, imposed: Mapping[frozenset[str], str]) -> str |
     return each[0] if None not in each else None
 
 
+# Check of excitations in conditions in which their shaft is cut off, as that of an engine that is declutched.
+
+
+def cut_off_excitations(external: ExternalTorques) -> Iterator[Fault]:
+    """Warnings about excitations that act although no ratio leads from their shaft to the reference shaft."""
+    for name, excitation in external.definition.excitations.items():
+        if excitation.enabled and excitation.shaft and excitation.shaft not in external.ratios:
+            text = phrase(
+                "no ratio leads from {} to {} in this condition, so that orders of {} have no speed: switch it off "
+                "there, {}.enabled: false",
+                ModelName(excitation.shaft), ModelName(external.reference), ModelName(name), ModelName(name),
+            )  # fmt: skip
+            yield Fault(text, ("excitations", name), "warning", on_key=True, kind="no-ratio")
+
+
 # Check of propeller damping by Archer's formula, which holds at full ahead, in conditions of small torque.
 
 SMALL_TORQUE_SHARE, SLIP_TORQUE_SHARE = 0.5, 0.01

@@ -13,7 +13,7 @@ from torsionnet.base.entries.spec import Schema
 from torsionnet.base.errors import UsageError
 from torsionnet.base.number_text import screen_text
 from torsionnet.base.packages import SavedResult
-from torsionnet.base.phrases import phrase
+from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table, result_table
 from torsionnet.base.units import RPM
@@ -227,17 +227,18 @@ class CriticalSpeed:
         """Text of the remark on a critical speed in tables, such as 'not excited in this condition', empty if none."""
         said = [self.mode.remark] if self.mode.remark else []
         if self.excited is False:
-            elsewhere = f", but in {', '.join(self.excited_in)}" if self.excited_in else " in this condition"
-            said.append(f"not excited{elsewhere}")
+            elsewhere = phrase("not excited, but in {conditions}", conditions=", ".join(self.excited_in))
+            said.append(elsewhere if self.excited_in else phrase("not excited in this condition"))
         elif self.case:
             said.append(self.case)
         if self.leaps:
-            said.append("the mode leaps over the line")
+            said.append(phrase("the mode leaps over the line"))
         elif math.isfinite(self.nearest_speed) and not any(
             map(math.isfinite, (self.undamped_speed, self.natural_speed, self.damped_speed))
         ):
-            said.append(f"no crossing: nearest at {screen_text(self.nearest_speed * RPM, 5)} rpm")
-        return "; ".join(said)
+            nearest = screen_text(self.nearest_speed * RPM, 5)
+            said.append(phrase("no crossing: nearest at {speed} rpm", speed=nearest))
+        return joined("; ", said) if said else ""
 
     @property
     def line(self) -> str:

@@ -27,6 +27,7 @@ from torsionnet.base.entries.scalars import SCALAR_SCHEMA, Value
 from torsionnet.base.entries.spec import EntryError, Json, Schema, not_none
 from torsionnet.base.errors import Fault, ModelError, Position, got
 from torsionnet.base.nearby_files import nearby_file
+from torsionnet.base.phrases import phrase
 from torsionnet.base.units import ANGLES, DIMENSIONS, Unit, UnitError, parse_unit
 from torsionnet.machinery.excitations.order_excitation import ComplexArray, FloatArray
 
@@ -126,8 +127,10 @@ class PressureTrace:
 
     def __str__(self) -> str:
         low, high = min(self.values) / 1e5, max(self.values) / 1e5
-        source = f" of {self.file}" if self.file else ""
-        return f"{len(self.values)} pressures{source}, {low:.4g} to {high:.4g} bar"
+        text = "{count} pressures of {file}, {low:.4g} to {high:.4g} bar"
+        if not self.file:
+            text = "{count} pressures, {low:.4g} to {high:.4g} bar"
+        return phrase(text, count=len(self.values), file=self.file, low=low, high=high)
 
     @property
     def origin(self) -> str:

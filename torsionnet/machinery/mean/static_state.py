@@ -9,6 +9,7 @@ from typing import Annotated, Any, ClassVar
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.errors import UsageError
 from torsionnet.base.packages import SavedResult
+from torsionnet.base.phrases import phrase
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Table, result_table
 from torsionnet.base.units import RPM
@@ -19,6 +20,11 @@ from torsionnet.model.channels import Sensor
 from torsionnet.model.element_base.round_section import section_fault
 from torsionnet.model.elements import GROUND, Constraint, Element, Law, Values
 from torsionnet.model.operating_values import law_notes
+
+SIGNS = phrase(
+    "torque: into the element at its first node, out of it at the others, signs of the nodes; power likewise"
+)
+"""Note on the signs of mean torques."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,8 +112,13 @@ class StaticState(SavedResult):
         """Table of mean speed, torque, twist, stress and power with a row for each element and port."""
         acting = ", ".join(f"{node} {torque:.6g} N*m" for node, torque in self.external.items())
         notes = (
-            f"{self.reference} at {self.rpm:.6g} rpm; from outside: {acting}",
-            "torque: into the element at its first node, out of it at the others, signs of the nodes; power likewise",
+            phrase(
+                "{node} at {speed:.6g} rpm; from outside: {torques}",
+                node=self.reference,
+                speed=self.rpm,
+                torques=acting,
+            ),
+            SIGNS,
             *self.notes,
         )
         return result_table(

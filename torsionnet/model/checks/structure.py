@@ -220,9 +220,13 @@ def rigid_body_modes(definition: Definition, kinematics: Kinematics) -> list[Fau
     count -= count_held_motions(kinematics) if count and kinematics.actions else 0
     if not count:
         return []
-    what = "one rigid-body mode" if count == 1 else f"{count} rigid-body modes"
-    pressed = f" while torque presses {comma_list(closed)} together" if closed else ""
-    return [Fault(f"the drivetrain can turn freely: {what}{pressed}", (), "note")]
+    free = "the drivetrain can turn freely: "
+    text = (
+        phrase(f"{free}one rigid-body mode") if count == 1 else phrase(f"{free}{{count}} rigid-body modes", count=count)
+    )
+    if closed:
+        text = phrase("{motions} while torque presses {laws} together", motions=text, laws=comma_list(closed))
+    return [Fault(text, (), "note")]
 
 
 def rigid_motions(kinematics: Kinematics) -> list[str]:

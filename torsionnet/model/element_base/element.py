@@ -326,7 +326,7 @@ class Element(Declared, ArgumentHints):
         """
         place = self.place_of(at)
         node = list(self.ports.values())[place]
-        return f"positive when it drives out of the element into {node}" if place else self.sign
+        return phrase("positive when it drives out of the element into {node}", node=node) if place else self.sign
 
     @property
     def diameters(self) -> tuple[Expression, Expression] | None:

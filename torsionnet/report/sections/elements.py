@@ -10,7 +10,7 @@ from torsionnet.base.entries.scalars import QuantityKind, Value
 from torsionnet.base.entries.spec import Spec
 from torsionnet.base.expressions import Expression, Name, Number
 from torsionnet.base.number_text import aligned_numbers, typeset_unit
-from torsionnet.base.phrases import phrase
+from torsionnet.base.phrases import phrase, with_values
 from torsionnet.base.units import RPM, expected_unit
 from torsionnet.model.channels import PORT_QUANTITIES, UNITS, Input
 from torsionnet.model.checks.values import parameter_units
@@ -227,7 +227,7 @@ def _channels(rig: Drivetrain) -> TableBlock:
         names = {"port": sensor.at, "other": sensor.against, "shaft": sensor.referred_to}
         named = {key: as_words(name) for key, name in names.items() if name}
         what = phrase(template, element=place, node=place, **named)
-        rows.append((symbol_or_words(name), "sensor", what, unit(UNITS[sensor.quantity]), sign.replace("_", " ")))
+        rows.append((symbol_or_words(name), "sensor", what, unit(UNITS[sensor.quantity]), with_values(sign, as_words)))
     return table("Inputs and sensors", columns, rows, most=MOST_ELEMENTS)
 
 

@@ -38,6 +38,8 @@ LONGEST_LIST = 12
 """Largest number of numbers in a list that a report writes out; longer lists are given by their range."""
 MOST_ORDERS = 30
 """Largest number of orders in the table of an excitation; of more it gives the number."""
+ROUNDING = 1e-12
+"""Amplitude over the largest one of an excitation below which it is what rounding leaves."""
 OWN_SHAFT = " Orders of an excitation are multiples of the speed of its own shaft."
 """Note on which shaft the orders of an excitation refer to."""
 Row = tuple[Cell, ...]
@@ -148,6 +150,8 @@ def _torques(case: Case, name: str, excitation: OrderExcitation) -> TableBlock:
     same = sizes >= (1 - EQUAL_AMPLITUDES) * sizes.max(axis=1, keepdims=True)
     where = np.argmax(same, axis=1)  # of equal ones the first
     largest = sizes[np.arange(len(where)), where]
+    # What rounding leaves of cylinders that cancel each other is no torque, and has no phase.
+    largest[largest < ROUNDING * largest.max(initial=0.0)] = 0.0
     phases = np.degrees(np.angle(torques.amplitudes[0][np.arange(len(where)), where]))
     fixed = np.zeros(len(where)) if torques.fixed is None else torques.fixed
     beside: list[Cell] = [NumberText(hertz, 6) if fixed.any() else "" for hertz in fixed.tolist()]
@@ -162,7 +166,7 @@ def _torques(case: Case, name: str, excitation: OrderExcitation) -> TableBlock:
         [NumberText(float(order), 6) for order in torques.orders],
         beside,
         aligned_numbers(largest.tolist()),
-        [NumberText(float(phase), 4, 1) for phase in phases],
+        [NumberText(float(phase), 4, 1) if size else "" for phase, size in zip(phases, largest, strict=True)],
         [_node(torques.nodes, place, int(count)) for place, count in zip(where, same.sum(axis=1), strict=True)],
         strict=True,
     )

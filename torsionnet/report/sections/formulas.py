@@ -112,12 +112,10 @@ def _function(subject: ReportData, pair: Pair, form: SymbolicEquations) -> list[
 def _introduction(function: TransferFunction, rig: Drivetrain) -> Text:
     output, into = function.channels
     response = FrequencyResponse(np.empty(0), np.empty((0, 1, 1), dtype=complex), (output,), (into,))
-    lead = (
-        f"{capital(response.kind())} in {unit(response.unit())}."
-        if response.unit() != "1"
-        else f"{capital(response.kind())}."
-    )
-    return sentence(" ".join([lead, *(f"{capital(note)}." for note in function.notes)]), rig)
+    kind = phrase(capital(response.kind()))
+    lead = phrase("{kind} in {unit}.", kind=kind, unit=unit(response.unit())) if response.unit() != "1" else f"{kind}."
+    notes = [inline for note in function.notes for inline in (" ", *sentence(capital(note), rig), ".")]
+    return (lead, *notes)
 
 
 def _polynomial(function: TransferFunction, pair: Pair, cases: tuple[Case, ...]) -> list[Block]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from torsionnet.base.conventions import OSCILLATORY, counting_notes
 from torsionnet.base.number_text import MISSING_TYPESET, aligned_numbers
-from torsionnet.base.phrases import extended, phrase
+from torsionnet.base.phrases import phrase
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -183,7 +183,7 @@ def _notes(subject: ReportData, modes_by_case: tuple[Modes, ...]) -> list[Text]:
     lead = ("Undamped natural frequencies: ", listed)
     counted = counting_notes([number for modes in modes_by_case for number in modes.numbers])
     counting: list[Text] = [(capital(note), ".") for note in counted]
-    return [*counting, lead, *(sentence(extended(capital(note), "."), subject.model) for note in remarks)]
+    return [*counting, lead, *((*sentence(capital(note), subject.model), ".") for note in remarks)]
 
 
 def _energies(subject: ReportData, modes_by_case: tuple[Modes, ...]) -> TableBlock:
@@ -237,7 +237,7 @@ def _shapes(subject: ReportData) -> Picture:
         phrase(
             "Mode shapes: {what}, the largest 1. Filled dots are the real part; open dots the imaginary "
             "part, where the nodes do not move in phase or against each other.",
-            what=views[0].label.removesuffix(" [-]"),
+            what=views[0].label,
         ),
         *([" Dotted lines are gears."] if geared else []),
         *(

@@ -248,7 +248,7 @@ def checks_section(subject: ReportData) -> Section:
     blocks: list[Block] = []
     if not faults:
         blocks.append(Paragraph((PASSED,)))
-    blocks += [Remark(fault.severity, sentence(capital(fault.text) + ".", subject.model)) for fault in faults]
+    blocks += [Remark(fault.severity, (*sentence(capital(fault.text), subject.model), ".")) for fault in faults]
     rows = list(_comparisons(subject))
     if rows:
         columns = (Heading("Comparison", wide=True), Heading("Largest relative difference", numeric=True))
