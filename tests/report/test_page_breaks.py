@@ -80,6 +80,18 @@ class TestBreaks:
         assert kept_in_word(table(1, 1, 1, 1, 1, titled=True)) == ["group 0", "0.0", *titles[1:4], "3.0", "group 4"]
 
 
+@pytest.mark.parametrize(("height", "low"), [(4.3, True), (6.2, False)])
+def test_figures_wider_than_high_leave_room_on_a_printed_page(height, low):
+    """Two of them and their captions fit on a page of 261 mm; one that is nearly square keeps its size."""
+    from matplotlib.figure import Figure
+
+    blocks = (Picture("grey", Figure(figsize=(7.2, height)), ("A grey square.",), "grey"),)
+    page = html_page(Report("T", "Kind", Facts(()), (), (Section("s", ("S",), blocks),)))
+    assert ("<figure class=low>" in page) == low
+    (most,) = re.findall(r"^figure\.low svg\{max-height:(\d+)mm\}$", CSS, re.MULTILINE)
+    assert 2 * (int(most) + 20) < 261
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(not any(map(shutil.which, pdf.BROWSER_COMMANDS)), reason="no browser on the path to print with")
 def test_text_goes_on_where_a_figure_does_not_fit(tmp_path):

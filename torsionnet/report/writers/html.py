@@ -49,6 +49,8 @@ def html_page(report: Report, *, folds: bool = True) -> str:
 
 # MathML of formulas that are written in LaTeX.
 
+LOW = 1.3
+"""Width over height from which a figure is printed no higher than two fifths of a page."""
 FORMULA_FONT = "formulas.woff"
 """Name of the font of formulas, whose brackets grow with what they hold: many systems have none of this kind."""
 _MATHRM = re.compile(r"\\mathrm\{([^{}\\]{2,})\}")
@@ -193,7 +195,10 @@ class HtmlWriter(PageWriter):
         svg = inline_svg(block.figure, f"f{label.number}-")
         drawing = svg.replace("<svg ", f'<svg role=img aria-label="{escaped(block.alt)}" ', 1)
         caption = f"<figcaption><b>{escaped(str(label))}</b> {self.inline(block.caption)}</figcaption>"
-        return f"<figure><div class=scroll>{drawing}</div>{caption}</figure>"
+        # In print a figure that is wider than high may be a little smaller, so that pages are filled.
+        width, height = block.figure.get_size_inches()
+        kind = " class=low" if width > LOW * height else ""
+        return f"<figure{kind}><div class=scroll>{drawing}</div>{caption}</figure>"
 
     def table(self, layout: TableLayout, label: CountedLabel) -> str:
         # On a screen a wide table scrolls; on paper it goes on below, as in the other formats.
