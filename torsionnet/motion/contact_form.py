@@ -369,13 +369,13 @@ def _form_over_state(plant: MotionPlant, parts: _Parts) -> ContactForm:
             A[n_x + place, unit] = phase.lower
             R[n_x + place, at.q] = rows[number]
         else:
-            R[n_x + place, at.one] = phase.lower
+            R[n_x + place, at.constant] = phase.lower
     # q = X x + U inputs, and q' is its derivative along x_e' = A x_e.
     q = np.hstack([form.X, np.zeros((n_q, slope.stop - n_x))]) + form.U @ inputs
     E = np.zeros((at.size, slope.stop))
     E[at.q], E[at.v] = q, q @ A
     E[at.controllers, n_own:n_x] = np.eye(at.n_c)
-    E[at.w, w], E[at.one, unit] = np.eye(at.n_w), 1.0
+    E[at.w, w], E[at.constant, unit] = np.eye(at.n_w), 1.0
     E[at.u, u], E[at.slope, slope] = np.eye(at.n_u), np.eye(at.n_u)
     # R takes x_e back from z, by the inverse of the bases of q and the momentum of q'.
     free = list(held.free)
@@ -383,7 +383,7 @@ def _form_over_state(plant: MotionPlant, parts: _Parts) -> ContactForm:
     R[n_a : 2 * n_a, at.v] = _velocities(plant, parts, inverse[:n_a])
     R[2 * n_a : n_own, free] = inverse[n_a : n_a + n_b]
     R[n_own:n_x, at.controllers] = np.eye(at.n_c)
-    R[w, at.w], R[unit, at.one] = np.eye(at.n_w), 1.0
+    R[w, at.w], R[unit, at.constant] = np.eye(at.n_w), 1.0
     R[u, at.u], R[slope, at.slope] = np.eye(at.n_u), np.eye(at.n_u)
     # z' = E A R z; the refresh E R puts z on what the contact state allows.
     whole, refresh, outside = E @ A @ R, E @ R, np.zeros((at.n_u, at.size))
@@ -435,7 +435,7 @@ def _law_torques(
         if phase.kind == "slope":
             torques[number] = phase.stiffness * form.twists[number] + phase.damping * form.rates[number]
             if scale < 0:
-                torques[number, at.one] += phase.torque
+                torques[number, at.constant] += phase.torque
             else:
                 torques[number] += phase.torque * form.inputs[scale]
     M, C, K = parts.matrices
@@ -445,7 +445,7 @@ def _law_torques(
     left = parts.drive.columns @ form.inputs[:n_torques] - M @ acceleration - C @ speed - K @ position
     for number, (phase, scale) in enumerate(zip(parts.phases, parts.drive.scale_of, strict=True)):
         if phase.kind == "slope" and phase.torque:
-            constant = form.inputs[scale] if scale >= 0 else np.eye(at.size)[at.one]
+            constant = form.inputs[scale] if scale >= 0 else np.eye(at.size)[at.constant]
             left -= phase.torque * np.outer(parts.rows[number], constant)
     for action, torque in zip(plant.actions, form.act, strict=True):
         at_once = sum(

@@ -82,7 +82,7 @@ def start_state(plant: MotionPlant, at: Layout, start: MotionStart) -> FloatArra
         if name not in assembly.node_index:
             raise UsageError(f'no node is named "{name}"{did_you_mean(name, assembly.nodes)}', kind="unknown-node")
     z = np.zeros(at.size)
-    z[at.one] = 1.0
+    z[at.constant] = 1.0
     for place, given in ((at.q, start.angles), (at.v, start.speeds)):
         if not given:
             continue

@@ -177,7 +177,7 @@ def guard_rows(form: ContactForm, laws: Sequence[LawPhases], contact: Sequence[i
 
     A guard that a law has not is 1.
     """
-    constant = np.eye(at.size)[at.one]
+    constant = np.eye(at.size)[at.constant]
     guards = np.tile(constant, (guard_count(len(laws)), 1))
     for number, (law, place) in enumerate(zip(laws, contact, strict=True)):
         phase = law.phases[place]
@@ -219,7 +219,7 @@ def march_table(form: ContactForm, guards: FloatArray, at: Layout, h: float, n_s
         finer.append(finer[-1] @ finest)
     steps = step_matrices(parts[0] @ parts[0], at)
     ahead, pushed = rows_of_guards(rows, steps, at)
-    taylor = taylor_rows(np.vstack([rows, np.eye(at.size)[at.n_q : at.one]]), A)
+    taylor = taylor_rows(np.vstack([rows, np.eye(at.size)[at.n_q : at.constant]]), A)
     size, n_g = np.abs(A), len(guards)
     # Sizes of the terms of guards, and of what the motion changes in them in a step.
     changed = np.abs(rows) @ size
@@ -247,7 +247,7 @@ def table_steps(tables: Sequence[NDArray[Any]], number: int, at: Layout) -> Step
 
 def changing_guards(guards: FloatArray, at: Layout) -> NDArray[np.int64]:
     """Numbers of the guards that a motion changes, at least one."""
-    constant = np.eye(at.size)[at.one]
+    constant = np.eye(at.size)[at.constant]
     changing = np.flatnonzero((guards != constant).any(axis=1))
     return changing if len(changing) else np.zeros(1, dtype=np.int64)
 

@@ -231,16 +231,17 @@ class Layout:
 
     @property
     def w(self) -> slice:
-        return slice(self.one - self.n_w, self.one)
+        return slice(self.constant - self.n_w, self.constant)
 
     @property
-    def one(self) -> int:
+    def constant(self) -> int:
+        """Place of the state that is always 1, by which torques that do not depend on the motion enter its matrix."""
         return 2 * self.n_q + self.n_c + self.n_w
 
     @property
     def n_p(self) -> int:
         """Number of the states before the torques u."""
-        return self.one + 1
+        return self.constant + 1
 
     @property
     def u(self) -> slice:

@@ -216,7 +216,7 @@ def work_rows(states: ContactStates, contact: Contact, form: ContactForm, h: flo
     plant, at = states.plant, states.at
     squares: list[tuple[FloatArray, float, str]] = []
     products: list[tuple[FloatArray, FloatArray, float, str]] = []
-    system, speed, constant = plant.assembly.system, form.motion[1], np.eye(at.size)[at.one]
+    system, speed, constant = plant.assembly.system, form.motion[1], np.eye(at.size)[at.constant]
     # Dampers lose c gamma'^2.
     for number, law in enumerate(plant.assembly.laws):
         if system.damping[number] and not isinstance(law, PlacedLaw):

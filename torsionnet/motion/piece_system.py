@@ -340,7 +340,7 @@ def simulate_pieces(
     at = Layout(len(columns), sum(len(action.F) for action in plant.actions), len(made.F), drive.n_u)
     z = np.zeros(at.size)
     own = slice(0, 2 * at.n_q + at.n_c)
-    z[own], z[at.one] = z0[own], 1.0
+    z[own], z[at.constant] = z0[own], 1.0
     states = ContactStates(plant, split.phases, drive, at, relative=True)
     rates = first_rates(states, split.phases)
     march = _DrivenMarch(states, readings, inputs, driving, stretches, made)

@@ -89,7 +89,7 @@ def steady_start(drivetrain: AssembledModel, split: SplitPlant, torques: Mapping
         if np.abs(q - before).max() <= ROUNDING * np.abs(q).max():
             break
     z = np.zeros(at.n_p)
-    z[at.q], z[at.v], z[at.controllers], z[at.one] = q, v, controllers, 1.0
+    z[at.q], z[at.v], z[at.controllers], z[at.constant] = q, v, controllers, 1.0
     integrating = tuple(action.action.owner for action in plant.actions if _integrates(action))
     return SteadyStart(z, _contact(split, known), accelerations, integrating)
 

@@ -112,7 +112,7 @@ class ContactMarch:
                 x = np.linalg.solve(s[k, 0] * np.eye(len(drive)) - action.F, drive * value) if len(drive) else drive
                 z[place : place + len(action.F)] += x.real
             place += len(action.F)
-        z[at.w], z[at.one], z[at.u] = self.w, 1.0, self.means
+        z[at.w], z[at.constant], z[at.u] = self.w, 1.0, self.means
         z = np.asarray(relative_state(self.states.plant, at, z))
         contact = self.states.at_start(*self._motions(motion), np.ones(len(self.states.laws)))
         return z, self._sticking_state(contact, motion)
@@ -146,7 +146,7 @@ class ContactMarch:
         if contact not in self._tables:
             form = self.states.form(contact)
             guards = guard_rows(form, self.states.laws, contact, self.at, self.states.drive.scale_of)
-            constant = np.eye(self.at.size)[self.at.one]
+            constant = np.eye(self.at.size)[self.at.constant]
             own = np.flatnonzero((guards != constant).any(axis=1))
             step = np.asarray(scipy.linalg.expm(form.A * self.look))
             ahead = [guards[own]]

@@ -181,7 +181,7 @@ def _powers(
     """Powers of dampers, of laws of motion, of controllers and of torques from outside."""
     plant, at, bare = states.plant, states.at, form.form
     powers: list[tuple[FloatArray, FloatArray, float, str]] = []
-    system, speed, steady = plant.assembly.system, bare.motion[1], np.eye(at.size)[at.one]
+    system, speed, steady = plant.assembly.system, bare.motion[1], np.eye(at.size)[at.constant]
     # c gamma'^2 of dampers, T gamma' of laws over the rate, and what contacts lose.
     for number, law in enumerate(plant.assembly.laws):
         if system.damping[number] and not isinstance(law, PlacedLaw):

@@ -262,7 +262,7 @@ class _SmoothMotion:
         plant, driving, at = self.plant, self.driving, self.plant.at
         z = np.zeros(at.size)
         own = slice(0, 2 * at.n_q + at.n_c)
-        z[own], z[at.one] = z0[own], 1.0
+        z[own], z[at.constant] = z0[own], 1.0
         z[at.u][plant.outside] = driving.first
         now = plant.contact(contact or plant.first_contact(z))
         self.method.entered(now)
