@@ -50,6 +50,7 @@ def assumed_values(case: Case, criticals: Sequence[CriticalSpeed]) -> TableBlock
     sensitivities = mode_sensitivities(drivetrain, list(tolerances))
     groups = []
     for mode, some in groupby(met, key=lambda critical: critical.mode.number):
+        # Each crossing once.
         own = list(
             {(critical.excitation, critical.line, critical.natural_speed): critical for critical in some}.values()
         )

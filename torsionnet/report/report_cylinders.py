@@ -99,6 +99,7 @@ def lost_torque_words(subject: ReportData) -> str:
     speed = float(speeds.rated or speeds.values[-1])
     conditions_by_share: dict[str, list[str]] = {}
     for case in subject.judged_cases:
+        # Conditions with equal shares stand together; what keeps its whole torque is not told.
         kept = _kept(case, speed)
         if kept < 1 - NOT_SHOWN:
             conditions_by_share.setdefault(f"{100 * kept:.3g}", []).append(case.configuration)
@@ -257,6 +258,7 @@ def engine_blocks(subject: ReportData, case: Case, name: str, engine: Reciprocat
     blocks: list[Block] = [Paragraph((_firing(name, engine),))]
     blocks += _pressures(subject, case, name, engine, own / speed)
     harmonics = cylinder_harmonics(engine, own)
+    # The largest by torque, listed by order.
     largest = sorted(harmonics, key=lambda harmonic: -harmonic.torque)[:MOST_ORDERS]
     kept = tuple(harmonic for harmonic in harmonics if harmonic in largest)
     caption = phrase(
@@ -380,6 +382,7 @@ def _vectors(subject: ReportData, case: Case, name: str) -> list[Block]:
 
     modes = subject.excited_modes[:MOST_MODES]
     sums = vector_sums(case.drivetrain, name, modes=modes)
+    # One cylinder alone has no sum.
     if len(next(iter(sums.stars.values())).labels) < 2:
         return []
     note = "Sum of the cylinders' amplitudes with their firing angles over the largest of them; all cylinders alike."

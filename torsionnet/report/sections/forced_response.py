@@ -112,6 +112,7 @@ def _worst(subject: ReportData, judged: LimitConclusion) -> list[TableBlock]:
         worst: dict[tuple[str, str], tuple[LimitCheck, LimitVerdict]] = {}
         for check in judged.checks:
             for verdict in vibratory_verdicts(check) if check.misfiring is misfiring else ():
+                # Of each limit the condition that uses it most, at its own worst speed.
                 known = worst.get((verdict.limit, verdict.quantity))
                 if verdict.worst is not None and (known is None or _use(verdict) > _use(known[1])):
                     worst[verdict.limit, verdict.quantity] = (check, verdict)
@@ -119,6 +120,7 @@ def _worst(subject: ReportData, judged: LimitConclusion) -> list[TableBlock]:
             groups.append(Group(tuple(_worst_row(subject, *pair) for pair in worst.values()), title))
     if not groups:
         return []
+    # A group alone needs no title.
     shown = tuple(groups) if len(groups) > 1 else (Group(groups[0].rows),)
     return [
         TableBlock(

@@ -232,6 +232,7 @@ def _shapes(subject: ReportData) -> Picture:
     drawn = shape_grid(modes, [case.drivetrain for case in cases], [case.title for case in cases])
     rest = len(subject.cases) - len(cases)
     views = [shape_view(modes_of_case, case.drivetrain) for modes_of_case, case in zip(modes, cases, strict=True)]
+    # The caption explains dotted lines only where a shape runs across a gear.
     geared = any(join.kind == "gear" for view in views for join in view.axis.joins)
     caption = (
         phrase(

@@ -308,11 +308,13 @@ def resonances_section(subject: ReportData) -> Section | None:
         blocks.append(normal_criticals(subject))
         further = further_criticals(subject)
         blocks += [further] if further else []
+        # The diagram shows the orders that use a share of a limit worth drawing.
         lines = [record.name for record in peaks.criticals if record.share >= LEAST_SHARE]
         criticals = [record.critical for record in peaks.criticals if record.share >= SMALL_SHARE]
     moved = assumed_values(case, criticals)
     if moved is not None:
         blocks.append(moved)
+    # Tolerances that move nothing need no words; that there are none does.
     elif not any(parameter.tolerance for parameter in case.drivetrain.parameter_definitions.values()):
         blocks.append(Paragraph((NO_TOLERANCE,)))
     blocks += separation_margins(subject)
@@ -345,6 +347,7 @@ def _without_limits(case: Case) -> tuple[list[CriticalSpeed], TableBlock]:
     acting = [
         critical for critical in speeds.crossings if critical.excited and math.isfinite(critical.resonant_amplitude)
     ]
+    # Without limits the amplitude at resonance ranks them; the table goes by mode.
     largest = sorted(acting, key=lambda critical: -critical.resonant_amplitude)[:MOST_UNJUDGED]
     kept = sorted(largest, key=lambda critical: (critical.mode.number, critical.natural_speed))
     low, high = (speed * RPM for speed in speeds.speed_range)
