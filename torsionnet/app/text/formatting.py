@@ -44,6 +44,7 @@ def formatted(text: str) -> list[TextEdit]:
     if document.faults or document.root is None or document.root.value is None:
         return []
     layout = _Layout(TextLines(body), document)
+    # A layout in which the text would say something else is not taken.
     for edits in (list(layout.edits()), list(layout.edits(last_break=False))):
         if _same(document, edited(body, edits)):
             mark = len(text) - len(body)
@@ -165,6 +166,7 @@ class _Layout:
             before = next((entry_line for entry_line in reversed(known) if entry_line < number), None)
             around = [entry_line for entry_line in (after, before) if entry_line is not None]
             fitting = [entry_line for entry_line in around if self.indent(entry_line) == self.indent(number)]
+            # In the column of an entry a comment moves as that does, else into its column.
             if fitting:
                 self.shift[number] = self.shift[fitting[0]]
             elif around:
@@ -175,6 +177,7 @@ class _Layout:
         for number, start in enumerate(self.lines.starts):
             line = self.line(number)
             blank = len(line) - len(line.lstrip(" \t"))
+            # An empty line keeps no blanks, but in a text of several lines.
             if number not in self.texts and number - 1 not in self.texts and not line.strip(" \t"):
                 if line:
                     yield TextEdit(TextSpan(start, start + len(line)), "")

@@ -364,6 +364,7 @@ class TextStretches:
         last = -1
         for name in names:
             fitting = [at for at, (word, _) in enumerate(words) if word == name and free[at]]
+            # The next place behind the name before, else the first that is free.
             at = next((at for at in fitting if at > last), fitting[0] if fitting else -1)
             if at < 0:
                 stretches.append(None)

@@ -160,6 +160,7 @@ def hover(text: str, offset: int, file: str = "", folder: Path | None = None) ->
     """
     names = NamesInText.of(text, file)
     place = place_at(names.places, offset)
+    # What a name stands for says more than the entry in which it stands.
     if place is not None:
         words = thing_words(place, names)
         if words:

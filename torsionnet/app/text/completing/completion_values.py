@@ -371,6 +371,7 @@ def _rows_by_name(writing: Writing, spec: Spec[Any]) -> Iterator[CompletionOptio
     """Names of the rows of the element's tables by name, as those of the gears for the one that is engaged."""
     if not isinstance(spec, Text) or spec.what != "the name of a gear":
         return
+    # An alternative names the entry with its element: "gearbox.engaged".
     owner = str(writing.place.path[-1]).rpartition(".")[0]
     element: Any = writing.names.table("elements").get(owner) if owner else writing.entries_around()
     kind = element.get("type") if isinstance(element, Mapping) else None

@@ -270,6 +270,7 @@ def point_for_comma(place: FaultPlace) -> Iterator[TextFix]:
     )
     start, text = place.span.start, place.written.text
     comma_match = re.search(r"(\d),(\d)", place.shown)
+    # In brackets the comma has split the number: the fault is at its second part.
     before = re.search(r"\d(\s*,\s*)$", text[:start])
     comma = start + comma_match.end(1) if comma_match else 0
     span = TextSpan(comma, comma + 1) if comma_match else TextSpan(before.start(1), start) if before else None
