@@ -257,10 +257,10 @@ class TestOtherRules:
         """A case has one order, whose amplitude is its half range."""
         rpm = np.arange(20.0, 104.01, 2)
         cases = np.stack([hump(92, 51.2)(rpm), hump(75, 70)(rpm)], axis=1)
-        limit = {"rule": "coupling", "element": "shaft", "T_KW": 1e9}
-        found = stressed(lambda _: cases.max(axis=1), limit, rpm, misfire=True, cases=cases)["T_KW"]
-        assert np.abs(found.amplitudes.phasors[:, 0]) == pytest.approx(found.values)
-        assert set(found.amplitudes.cases) == {0, 1}
+        for limit, name in (({"rule": "coupling", "element": "shaft", "T_KW": 1e9}, "T_KW"), (m68(), "tau_C")):
+            found = stressed(lambda _: cases.max(axis=1), limit, rpm, misfire=True, cases=cases)[name]
+            assert np.abs(found.amplitudes.phasors[:, 0]) == pytest.approx(found.values)
+            assert set(found.amplitudes.cases) == {0, 1}
 
     def test_without_load_what_needs_mean_torque_is_not_judged(self):
         limits = {"rubber": {"rule": "coupling", "element": "rubber", "T_KN": 1e3, "T_KW": 1e5},

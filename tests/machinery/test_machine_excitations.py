@@ -464,6 +464,7 @@ class TestFiles:
             (MESHED, "{1: {way", "{first: {way", "first", "expression-not-allowed"),
             (MACHINE, "rated_torque: 1 kN*m, ", "", "2 %", "missing-entry"),
             (MACHINE, "pole_pairs: 2, rated_torque: 1 kN*m, orders", "rated_torque: 1, electrical_orders", "electrical_orders", "missing-entry"),
+            (MACHINE, "rated_torque: 1 kN*m, orders: {6: {share: 2 %}}", "torque: [[300 rpm, 1], [600 rpm, 1]], orders: {6: {amplitude: 3}}", "torque", "missing-entry"),
             (MACHINE, "orders: {6: {share: 2 %}}", "stator: w", "x: ", "missing-entry"),
             (MACHINE, "{share: 2 %}", "{phase: 2 deg}", "6: {phase", "missing-entry"),
             (MACHINE, "orders", "torque: [[300 rpm, 1], [500 rpm, 1]], orders", "[[300 rpm", "beyond-table"),

@@ -42,12 +42,12 @@ def unfit_excitations(definition: Definition) -> list[Fault]:
     if definition.load is not None:
         faults += unknown_in_load(definition, definition.load)
     values, wrong = resolve(definition.parameters)
-    if faults or not _has_values(definition, values):
+    if faults:
         return faults
     try:
         ratios, without = ({}, []) if wrong else _shaft_ratios(definition, values)
         mismatches = [*without, *(() if wrong else _rigid(definition, values)), *_on_imposed(definition)]
-    except (TorsionnetError, ArithmeticError):  # an element that cannot be calculated is a fault of its values
+    except (TorsionnetError, ArithmeticError):  # what cannot be calculated, as without a parameter, is told elsewhere
         return []
     return mismatches or [*_remarks(definition, ratios)]
 
@@ -85,13 +85,6 @@ def _places(name: str, excitation: OrderExcitation) -> Iterator[tuple[str, Entry
         yield node, ("excitations", name, *path)
     if excitation.shaft:
         yield excitation.shaft, ("excitations", name, "speed_of")
-
-
-def _has_values(definition: Definition, values: Mapping[str, Any]) -> bool:
-    """Whether every parameter that the elements of a model name has a value; missing ones are reported elsewhere."""
-    return all(
-        formula.names <= values.keys() for element in definition.active for _, _, formula, _ in element.expressions()
-    )
 
 
 def _rigid(definition: Definition, values: Mapping[str, Any]) -> Iterator[Fault]:
