@@ -9,6 +9,7 @@ from support.controlled_plants import Plant
 
 import torsionnet as tn
 from torsionnet.app.cli.app import app
+from torsionnet.linear.responses.loop_margins import _gains, _phases
 from torsionnet.linear.sensitivity.parametric import parametric_response
 
 
@@ -123,6 +124,16 @@ class TestMargins:
             plant.loop_margins()
         with pytest.raises(tn.UsageError, match=r'(?s)did you mean "governor".*unknown-element'):
             speed_loop().loop_margins("governr")
+
+
+def test_the_nearest_of_several_crossings_is_the_margin():
+    """-4 to -1/4 on the axis: 2 and 1/2 reach -1. On the circle 90 deg at 1 Hz are 1/4 s, 60 deg at 2 Hz 1/12 s."""
+    f = np.array([1.0, 2.0, 4.0, 8.0])
+    assert [margin.value for margin in _gains(f, np.array([-4, -2, -0.5, -0.25], dtype=complex))] == [2.0, 0.5]
+    loop = -np.exp(1j * np.radians([90.0, 60.0, 120.0, -20.0]))
+    phase, delay = _phases(f, loop)
+    assert (phase.value, phase.frequency) == (pytest.approx(-20), 8)
+    assert (delay.value, delay.frequency) == (pytest.approx(1 / 12), 2)
 
 
 class TestCheck:

@@ -1,12 +1,15 @@
 """Power that vibration dissipates: coupling heat by hand, every kind of element against its own law."""
 
 import math
+from fractions import Fraction
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from support.forced_plants import plant, reference
 
 import torsionnet as tn
+from torsionnet.machinery.mean.power_flow import _largest_over_angle
 
 PSI, STIFFNESS, TORQUE, HZ = 1.13, 100e3, 5e3, 25.0
 
@@ -94,3 +97,8 @@ def test_tables_say_which_torque_is_meant_and_names_are_checked():
         rig.dissipated_power("d")
     with pytest.raises(tn.UsageError, match="no power of"):
         found.of("J")
+
+
+def test_waves_of_two_engines_without_a_common_cycle_reach_their_crests_together():
+    waves = [SimpleNamespace(relative=Fraction(1, 10**9 + number), fixed=False) for number in (7, 9)]
+    assert _largest_over_angle(np.array([[3 + 4j, -2]]), waves) == pytest.approx([7])
