@@ -36,7 +36,9 @@ def tone(frequency, noise=0.0):
 )
 def test_a_spectrogram_ends_where_the_power_does(frequency, noise, least, most):
     seen = tone(frequency, noise)
-    assert least < plot.spectrogram(seen).axes[0].get_ylim()[1] < most
+    axes = plot.spectrogram(seen).axes[0]
+    assert least < axes.get_ylim()[1] < most
+    assert axes.collections[0].get_clim()[1] == axes.collections[0].get_array().max()
     assert plot.spectrogram(seen, up_to=1900).axes[0].get_ylim()[1] > 1850
 
 
@@ -348,3 +350,24 @@ def test_labels_of_curves_are_configurations_also_of_a_model_with_brackets_in_it
     assert said(both) == ("", ["rig (left)", "rig (right)"])
     variants = list(cases[0].frequency_responses("th", "T", f, {"k": [50.0, 60.0]}))
     assert said(variants) == ("rig (left)", ["soft, k = 50", "soft, k = 60"])
+
+
+def test_colours_of_a_tornado_reach_the_largest_change_of_either_sign():
+    from torsionnet.plot.study.study_tornado import _matrix
+
+    swings = SimpleNamespace(at_low=np.array([1.0, np.nan]), at_high=np.array([-2.0, 5.0]))
+    result = SimpleNamespace(parameter_units={"k": "", "c": ""}, spans={"a": None}, units={"f": "Hz"})
+    result.swings = {("a", "f"): swings}
+    assert _matrix(result, IN_SI, None).panels[0].images[0].get_clim() == (-3, 3)
+
+
+def test_teeth_of_a_wheel_fill_their_axis():
+    from matplotlib.figure import Figure
+
+    from torsionnet.plot.wheel_plots import _teeth
+
+    pattern = SimpleNamespace(teeth=36, missing=1, positions=np.zeros(36), half_widths=np.ones(36))
+    axes = Figure().add_subplot()
+    _teeth(axes, SimpleNamespace(pattern=pattern), 1.0)
+    assert axes.get_xlim() == (-0.5, 35.5)
+    assert axes.lines[-1].get_xdata().tolist() == list(range(35))
