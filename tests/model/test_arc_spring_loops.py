@@ -5,6 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from torsionnet.linear.sensitivity.unknowns import Dual
+from torsionnet.model.arc_spring.linear_law import _tangent
 from torsionnet.model.arc_spring.loop_at_torque import loop_at_torque
 from torsionnet.model.arc_spring.segment_chain import SegmentChain, marched_loop, segments_needed
 from torsionnet.model.arc_spring.slow_loop import ArcSprings, closed_loop, loop_from_top
@@ -151,6 +153,14 @@ class TestMeanTorque:
         first = 2 * np.mean(torques * np.exp(-1j * phases)) / math.radians(swing)
         # Under gamma = a cos(w t) a loss is an imaginary part above zero: the torque leads.
         assert complex(first) == pytest.approx(loop.stiffness, rel=3e-3)
+
+    def test_slopes_are_those_of_a_stiffness_that_grows_with_all_forces_alike(self):
+        """Stiffness, mass and torque in half as large units: by Euler, sum x dk/dx = k over these three."""
+        given = [700.0, 2.6, 0.12, 0.9, 0.11, 100 * math.pi, math.radians(10), 276.2278]
+        forces = dict(zip((0, 3, 7), np.eye(3), strict=True))
+        numbers = [Dual(value, forces[at]) if at in forces else value for at, value in enumerate(given)]
+        for part in _tangent(numbers):
+            assert part.gradient @ [given[at] for at in forces] == pytest.approx(part.value, rel=1e-9)
 
     def test_coast_mirrors_drive(self):
         drive, coast = (loop_at_torque(springs(), 0.02, torque) for torque in (200.0, -200.0))
