@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from torsionnet.app.explore.over_speed import CONVENTIONS_BY_ANGLE, json_numbers, misfit, over_speed
-from torsionnet.app.explore.session import Session
+from torsionnet.app.explore.session import MANY_NODES, MOST_MODES, Session
 from torsionnet.app.explore.sliders import point_sliders, sliders
 from torsionnet.app.explore.state import State
 from torsionnet.base.equal_remarks import collected_warnings
@@ -165,11 +165,6 @@ def _response_options(session: Session, state: State) -> list[str]:
     return words
 
 
-MOST_MODES, MANY_NODES = 40, 120
-"""Number of lowest modes calculated of models with more nodes than the second number.
-
-All modes of such a model would take longer than the drag of a slider.
-"""
 MOST_PEAKS = 6
 """Largest number of peaks of a response that are marked in the plot; more labels would cover the curve."""
 

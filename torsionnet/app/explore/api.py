@@ -8,11 +8,11 @@ import re
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TypeAlias
 
-from torsionnet.app.explore.answers import MANY_NODES, answer, collected_notes, fault_texts, mode_motion, page_modes
+from torsionnet.app.explore.answers import answer, collected_notes, fault_texts, mode_motion, page_modes
 from torsionnet.app.explore.disk_file import plain_line_ends
 from torsionnet.app.explore.document import Answer, Document, OffsetCounting
 from torsionnet.app.explore.documents import Documents
-from torsionnet.app.explore.session import Session
+from torsionnet.app.explore.session import MANY_NODES, Session
 from torsionnet.app.explore.state import PageRequest, State, read_request, read_state
 from torsionnet.app.text.text_edits import TextSpan, as_parameter
 from torsionnet.base.delimited.cell_grid import parse_grid

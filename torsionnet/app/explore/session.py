@@ -152,6 +152,11 @@ BAND_WITHOUT_MODES = (1.0, 1000.0)
 """Frequency band in Hz of a page whose operating point is out of balance; most torsional vibrations lie in it."""
 MOST_NUMBERS = 200
 """Number of numbers of elements that the page offers to make parameters of; nobody looks through more."""
+MOST_MODES, MANY_NODES = 40, 120
+"""Number of lowest modes calculated of models with more nodes than the second number.
+
+All modes of such a model would take longer than the drag of a slider.
+"""
 MOST_SURVEYED = 24
 """Number of configurations whose modes are calculated to find the first frequency band; each costs a solution."""
 
@@ -415,9 +420,10 @@ def opening_state(
 def _band(base: Drivetrain) -> tuple[float, float]:
     """Frequencies in Hz that suit the modes of all configurations whose operating point is in balance."""
     modes: list[Modes] = []
+    lowest = MOST_MODES if len(base.nodes) > MANY_NODES else None
     for name in ("", *base.configurations[:MOST_SURVEYED]):
         with contextlib.suppress(TorsionnetError):  # the page says why, once that configuration is chosen
-            modes.append(base.configured(name).modes() if name else base.modes())
+            modes.append((base.configured(name) if name else base).modes(lowest=lowest))
     return opening_range(*modes) if modes else BAND_WITHOUT_MODES
 
 
