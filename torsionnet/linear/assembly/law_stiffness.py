@@ -14,7 +14,6 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -173,42 +172,18 @@ class LawStiffness:
                     sampled[slot] = float(factors[place]) * values + sampled.get(slot, 0.0)
         return LawStiffness(J, c, k, self.omega, tuple(sampled.items()))
 
-    @cached_property
-    def _polynomials(self) -> tuple[FloatArray, list[tuple[Any, Any, Any, ComplexArray | None]]]:
-        """-omega^2 in (rad/s)^2, and J (kg m^2), c (N m s/rad), k (N m/rad) and samples (N m/rad) of every law.
+    def polynomials(self) -> list[tuple[Any, Any, Any, ComplexArray | None]]:
+        """J (kg m^2), c (N m s/rad), k (N m/rad) and samples (N m/rad) of every law, each None where it has none.
 
-        Each is None where the law has none. J, c and k are numbers for one variant, else (n_variants, 1) arrays.
+        J, c and k are numbers for one variant, else (n_variants, 1) arrays.
         """
-        parts = self.inertia, self.damping, self.stiffness
-        shaped: list[Any] = [part[0].tolist() if len(part) == 1 else part.T[:, :, None] for part in parts]
-        acting = [np.any(part, axis=0) for part in parts]
-        columns = [
-            [value if some else None for value, some in zip(values, there, strict=True)]
-            for values, there in zip(shaped, acting, strict=True)
-        ]
-        samples = dict(self.sampled)
-        columns.append([samples.get(law) for law in range(self.n_laws)])
-        return -(self.omega * self.omega), list(zip(*columns, strict=True))
-
-    def write(self, law: int, real: FloatArray, imag: FloatArray | None) -> None:
-        """Write the dynamic stiffness of a law in N m/rad into arrays (n_variants, n_f), real and imaginary part."""
-        squares, polynomials = self._polynomials
-        # Re kappa = k - J omega^2, Im kappa = c omega; what a law has not is not multiplied by zero.
-        J, c, k, samples = polynomials[law]
-        if J is None:
-            real[...] = 0.0 if k is None else k
-        else:
-            np.multiply(squares, J, out=real)
-            if k is not None:
-                real += k
-        if imag is not None and c is None:
-            imag[...] = 0.0
-        elif imag is not None:
-            np.multiply(self.omega, c, out=imag)
-        if samples is not None:
-            real += samples.real
-            if imag is not None:
-                imag += samples.imag
+        one, columns = len(self.stiffness) == 1, list[Any]()
+        for part in (self.inertia, self.damping, self.stiffness):
+            values: Any = part[0].tolist() if one else part.T[:, :, None]
+            acting = part.any(axis=0).tolist()
+            columns.append([value if some else None for value, some in zip(values, acting, strict=True)])
+        samples = {law: values[0] if one else values for law, values in self.sampled}
+        return list(zip(*columns, map(samples.get, range(self.n_laws)), strict=True))
 
     def blocks(self, size: int) -> Iterator[LawStiffness]:
         """Yield the dynamic stiffness of all laws in N m/rad in blocks of at most ``size`` points."""

@@ -90,7 +90,8 @@ POINTS_AT_ONCE = 128
 """Number of frequency points that the compiled loop works on at once, enough for vector instructions and few enough for
 a thousand registers in the cache."""
 
-LAW, CONSTANT, SUM, PRODUCT, QUOTIENT, INVERSE = ops.LAW, ops.CONSTANT, ops.SUM, ops.PRODUCT, ops.QUOTIENT, ops.INVERSE
+LAW, LAW_SUM, CONSTANT, SUM = ops.LAW, ops.LAW_SUM, ops.CONSTANT, ops.SUM
+PRODUCT, QUOTIENT, INVERSE = ops.PRODUCT, ops.QUOTIENT, ops.INVERSE
 LEAST_SQUARE, MOST_SQUARE = 1e-290, 1e290
 """Squared magnitudes, least and most, within which the compiled loop divides by a measured reading, since beyond them
 only numpy's scaled division is safe. The compiled loop leaves NaN there."""
@@ -130,7 +131,8 @@ def read(tape: Tape, slots: LawStiffness, table: ReadingTable, laws: LawStiffnes
 def _own(tape: Tape, laws: LawStiffness) -> tuple[FloatArray, FloatArray]:
     """Factors of a tape and its registers, in the precision of the laws."""
     kind = laws.stiffness.dtype
-    return tape.factors.astype(kind), np.empty((tape.n_registers, 2, POINTS_AT_ONCE), dtype=kind)
+    registers = ops.in_cache_lines(tape.n_registers, 2 * POINTS_AT_ONCE, kind)
+    return tape.factors.astype(kind), registers.reshape(-1, 2, POINTS_AT_ONCE)
 
 
 def _law_arrays(laws: LawStiffness) -> tuple[Any, ...]:
@@ -158,6 +160,7 @@ def _walk(
 
     The first ``n`` of the points count.
     """
+    one = r.dtype.type(1.0)  # in the precision of the registers, as a number alone makes the division double
     for number in range(operations.shape[0]):
         code, t, a, b = operations[number]
         f = factors[number]
@@ -173,27 +176,32 @@ def _walk(
                 real, imag = r[a, 0, i] + more, r[a, 1, i] + beside
                 r[t, 0, i] = real
                 r[t, 1, i] = imag
-        elif code == LAW:  # kappa = k - J omega^2 + j c omega, and the sample of a table where there is one
-            k, J, c, at = stiffness[a], inertia[a], damping[a], place[a]
-            if at < 0:
+        elif code in (LAW, LAW_SUM):  # kappa = k - J omega^2 + j c omega, and the sample of a table where there is one
+            k, J, c, at = stiffness[b], inertia[b], damping[b], place[b]
+            if code == LAW:
                 for i in range(POINTS_AT_ONCE):
                     r[t, 0, i] = k - J * w2[i]
                     r[t, 1, i] = c * w[i]
             else:
                 for i in range(POINTS_AT_ONCE):
+                    real, imag = k - J * w2[i] + f * r[a, 0, i], c * w[i] + f * r[a, 1, i]
+                    r[t, 0, i] = real
+                    r[t, 1, i] = imag
+            if at >= 0:
+                for i in range(POINTS_AT_ONCE):
                     value = sampled[at, first + min(i, n - 1)]
-                    r[t, 0, i] = k - J * w2[i] + value.real
-                    r[t, 1, i] = c * w[i] + value.imag
-        elif code == QUOTIENT:  # r_a conj(r_b)/|r_b|^2
+                    r[t, 0, i] += value.real
+                    r[t, 1, i] += value.imag
+        elif code == QUOTIENT:  # r_a conj(b)/|b|^2, b = r_b + f r_a
             for i in range(POINTS_AT_ONCE):
-                scale = 1.0 / (r[b, 0, i] * r[b, 0, i] + r[b, 1, i] * r[b, 1, i])
-                real = r[a, 0, i] * r[b, 0, i] + r[a, 1, i] * r[b, 1, i]
-                imag = r[a, 1, i] * r[b, 0, i] - r[a, 0, i] * r[b, 1, i]
+                c, d = r[b, 0, i] + f * r[a, 0, i], r[b, 1, i] + f * r[a, 1, i]
+                scale = one / (c * c + d * d)
+                real, imag = r[a, 0, i] * c + r[a, 1, i] * d, r[a, 1, i] * c - r[a, 0, i] * d
                 r[t, 0, i] = real * scale
                 r[t, 1, i] = imag * scale
         elif code == INVERSE:
             for i in range(POINTS_AT_ONCE):
-                scale = 1.0 / (r[a, 0, i] * r[a, 0, i] + r[a, 1, i] * r[a, 1, i])
+                scale = one / (r[a, 0, i] * r[a, 0, i] + r[a, 1, i] * r[a, 1, i])
                 real, imag = r[a, 0, i] * scale, -r[a, 1, i] * scale
                 r[t, 0, i] = real
                 r[t, 1, i] = imag

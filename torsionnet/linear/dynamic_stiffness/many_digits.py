@@ -122,7 +122,9 @@ def run_tape(tape: Tape, kappa: Sequence[Any]) -> dict[int, Any]:
     # Each operation as the head of tape.py says, r_t from r_a and r_b.
     for code, t, a, b, factor in tape.steps:
         if code == ops.LAW:
-            r[t] = kappa[a]
+            r[t] = kappa[b]
+        elif code == ops.LAW_SUM:
+            r[t] = _left([kappa[b], factor * r[a]])
         elif code == ops.CONSTANT:
             r[t] = in_many_digits(0) + factor
         elif code == ops.SUM:
@@ -130,7 +132,7 @@ def run_tape(tape: Tape, kappa: Sequence[Any]) -> dict[int, Any]:
         elif code == ops.PRODUCT:
             r[t] = r[a] * r[b]
         elif code in (ops.QUOTIENT, ops.INVERSE):
-            above, below = (r[a], r[b]) if code == ops.QUOTIENT else (1, r[a])
+            above, below = (r[a], _left([r[b], factor * r[a]])) if code == ops.QUOTIENT else (1, r[a])
             if not below:
                 raise SolveError(
                     "the response at this frequency is lost in rounding errors; choose another frequency",

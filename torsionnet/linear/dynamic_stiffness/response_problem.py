@@ -37,6 +37,7 @@ from torsionnet.linear.dynamic_stiffness.row_algebra import DOUBLE, Accuracy, Ro
 from torsionnet.linear.dynamic_stiffness.tape import (
     CONSTANT,
     LAW,
+    LAW_SUM,
     ONE,
     OUTPUT,
     Array,
@@ -105,8 +106,12 @@ class _Taping:
         """
         if slot in self.fresh:
             self.fresh.discard(slot)
-            self.links[slot] = TapeQuantity(self.writer.new(LAW, slot), 1.0)
-        if added is not None:
+            if added is None:
+                name = self.writer.new(LAW, b=slot)
+            else:
+                name = self.writer.new(LAW_SUM, self.writer.name(added), slot, added.factor)
+            self.links[slot] = TapeQuantity(name, 1.0)
+        elif added is not None:
             self.links[slot] = self.writer.plus(self.links.get(slot), added)
         return self.links[slot]
 

@@ -2,11 +2,12 @@
 
 A register holds one number for every point. What an operation does with its target t, from registers a and b:
 
-    LAW       t = dynamic stiffness of slot a
+    LAW       t = dynamic stiffness of slot b
+    LAW_SUM   t = dynamic stiffness of slot b + factor r_a
     CONSTANT  t = factor
     SUM       t = r_a + factor r_b
     PRODUCT   t = r_a r_b
-    QUOTIENT  t = r_a / r_b
+    QUOTIENT  t = r_a / (r_b + factor r_a), a share of two stiffnesses, or with factor 0 a mere quotient
     INVERSE   t = 1 / r_a
     OUTPUT    value number t = factor r_a
 
@@ -25,10 +26,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.linear.assembly.law_stiffness import LawStiffness
+from torsionnet.linear.assembly.rows import FloatArray
 
-LAW, CONSTANT, SUM, PRODUCT, QUOTIENT, INVERSE, OUTPUT = range(7)
+LAW, LAW_SUM, CONSTANT, SUM, PRODUCT, QUOTIENT, INVERSE, OUTPUT = range(8)
 """Codes of the operations on an elimination's tape, each with the meaning listed at the head of the module."""
-_READS = {SUM: 2, PRODUCT: 2, QUOTIENT: 2, INVERSE: 1, OUTPUT: 1}
+_READS = {LAW_SUM: 1, SUM: 2, PRODUCT: 2, QUOTIENT: 2, INVERSE: 1, OUTPUT: 1}
 """Number of registers that an operation reads, by its code, where operations not listed read none."""
 
 
@@ -107,7 +109,13 @@ class Writer:
         factor = above.factor / below.factor
         if above.name < 0:
             return TapeQuantity(self.new(INVERSE, self.name(below)), factor)
-        return TapeQuantity(self.new(QUOTIENT, above.name, self.name(below)), factor)
+        made = self.operations[self.name(below)]
+        if made.code == SUM and above.name in made.read:
+            # Share of a sum x + f y = f (y + x/f), which then need not be kept.
+            if above.name == made.b:
+                return TapeQuantity(self.new(QUOTIENT, above.name, made.a, made.factor), factor)
+            return TapeQuantity(self.new(QUOTIENT, above.name, made.b, 1 / made.factor), factor / made.factor)
+        return TapeQuantity(self.new(QUOTIENT, above.name, made.t, 0.0), factor)
 
     def tape(self, n_values: int) -> Tape:
         """Tape of the operations that the outputs of an elimination depend on, with registers for their results."""
@@ -155,32 +163,53 @@ FEWEST_POINTS, MOST_POINTS = 1024, 16384
 arithmetic and more leave the cache."""
 
 
-def sweep(tape: Tape, laws: LawStiffness) -> Array:
+CACHE_LINE = 64
+"""Bytes of a line of the processor's cache. Sums of registers that begin with one take half the time."""
+
+
+def sweep(tape: Tape, stiffness: LawStiffness) -> Array:
     """Output values (n_values, n_points) of a tape by numpy, from the stiffness of the slots of its plan."""
     # Without damping in any law all dynamic stiffnesses are real.
-    is_damped = laws.damping.any() or any(values.imag.any() for _, values in laws.sampled)
-    kind = np.result_type(laws.stiffness.dtype, np.complex64 if is_damped else np.float32)
-    values, start = np.zeros((tape.n_values, laws.n_points), dtype=kind), 0
-    in_cache = BLOCK_BYTES // (kind.itemsize * (tape.n_registers + 1))
-    for part in laws.blocks(min(MOST_POINTS, max(FEWEST_POINTS, in_cache))):
-        n_points = part.n_points
-        registers, outputs = np.empty((tape.n_registers + 1, n_points), dtype=kind), values[:, start : start + n_points]
+    is_damped = stiffness.damping.any() or any(values.imag.any() for _, values in stiffness.sampled)
+    kind = np.result_type(stiffness.stiffness.dtype, np.complex64 if is_damped else np.float32)
+    values, start = np.zeros((tape.n_values, stiffness.n_points), dtype=kind), 0
+    in_cache = BLOCK_BYTES // (kind.itemsize * (tape.n_registers + 2))
+    for part in stiffness.blocks(min(MOST_POINTS, max(FEWEST_POINTS, in_cache))):
+        n_points, n_variants = part.n_points, len(part.stiffness)
+        registers, outputs = in_cache_lines(tape.n_registers + 2, n_points, kind), values[:, start : start + n_points]
         start += n_points
-        *r, spare = registers
-        # Laws are written by variant and frequency, real and imaginary part apart.
-        parts = registers.reshape(len(registers), len(part.stiffness), part.omega.shape[-1])
-        real, imag = list(parts.real), list(parts.imag) if np.iscomplexobj(parts) else [None] * len(parts)
+        *r, total, spare = registers
+        # Laws are written by variant and frequency, but for a single variant by frequency alone.
+        laws, omega = part.polynomials(), part.omega.ravel() if n_variants == 1 else part.omega
+        by_variant = registers if n_variants == 1 else registers.reshape(len(registers), n_variants, omega.shape[-1])
+        slots, parts = [*by_variant], [*by_variant.view(omega.dtype)]
+        powers = in_cache_lines(2, omega.size, kind).reshape(2, *omega.shape)
+        np.multiply(omega, 1j if is_damped else 0.0, out=powers[0])
+        np.multiply(omega, -omega, out=powers[1])
+        s, squares = powers.view(omega.dtype)
         # Each operation as the head of the module says, r_t from r_a and r_b.
         for code, t, a, b, factor in tape.steps:
             if code == PRODUCT:
                 np.multiply(r[a], r[b], out=r[t])
             elif code == SUM:
-                term: Any = r[b] if factor == 1.0 else np.multiply(r[b], factor, out=spare)
-                np.add(r[a], term, out=r[t])
-            elif code == LAW:
-                part.write(a, real[t], imag[t])
+                np.add(r[a], r[b] if factor == 1.0 else np.multiply(r[b], factor, out=spare), out=r[t])
+            elif code in (LAW, LAW_SUM):
+                _write(laws[b], omega, s, squares, slots[t], parts[t])
+                if code == LAW_SUM:
+                    np.add(r[t], r[a] if factor == 1.0 else np.multiply(r[a], factor, out=spare), out=r[t])
             elif code == QUOTIENT:
-                np.divide(r[a], r[b], out=r[t])
+                below = r[b]
+                if factor:
+                    below = np.add(below, r[a] if factor == 1.0 else np.multiply(r[a], factor, out=spare), out=total)
+                if kind != np.complex64:
+                    np.divide(r[a], below, out=r[t])
+                else:
+                    # r_a b* / |b|^2: numpy divides complex numbers one by one. Both parts of (1 + j) b* b are |b|^2.
+                    np.conjugate(below, out=spare)
+                    np.multiply(r[a], spare, out=r[t])
+                    np.multiply(spare, np.complex64(1 + 1j), out=spare)
+                    np.multiply(spare, below, out=spare)
+                    np.divide(parts[t], parts[-1], out=parts[t])
             elif code == INVERSE:
                 np.divide(1.0, r[a], out=r[t])
             elif code == CONSTANT:
@@ -188,3 +217,35 @@ def sweep(tape: Tape, laws: LawStiffness) -> Array:
             else:
                 np.multiply(r[a], factor, out=outputs[t])
     return values
+
+
+def _write(law: Any, omega: FloatArray, s: FloatArray, squares: FloatArray, out: Array, parts: FloatArray) -> None:
+    """Write the dynamic stiffness J s^2 + c s + k + sample of a law in N m/rad into ``out`` (n_variants, n_f).
+
+    ``s``, ``squares`` and ``parts``, which is ``out`` too, have an imaginary part after each real one.
+    """
+    # What a law has not is not multiplied by zero. Both parts at once take less time than one after the other.
+    J, c, k, sample = law
+    if J is not None:
+        np.multiply(squares, J, out=parts)
+        if c is not None:
+            np.multiply(omega, c, out=out.imag)
+        if k is not None:
+            np.add(out.real, k, out=out.real)
+    elif c is not None:
+        np.multiply(s, c, out=parts)
+        if k is not None:
+            out.real[...] = k
+    else:
+        out[...] = 0.0 if k is None else k
+    if sample is not None:
+        np.add(out, sample if out.dtype.kind == "c" else sample.real, out=out)
+
+
+def in_cache_lines(n: int, n_points: int, kind: np.dtype[Any]) -> Array:
+    """Registers (n, n_points) that each begin with a line of the processor's cache."""
+    line = CACHE_LINE // kind.itemsize
+    width = -(-n_points // line) * line
+    memory = np.empty(n * width + line, dtype=kind)
+    first = -memory.ctypes.data % CACHE_LINE // kind.itemsize
+    return memory[first : first + n * width].reshape(n, width)[:, :n_points]
