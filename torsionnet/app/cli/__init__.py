@@ -10,7 +10,7 @@ import gc
 import os
 from collections.abc import Sequence
 
-OBJECTS_BETWEEN_COLLECTIONS = 100_000
+OBJECTS_BETWEEN_COLLECTIONS = 200_000
 """New objects between two runs of the garbage collector, as fewer slow down starting and more take memory."""
 
 

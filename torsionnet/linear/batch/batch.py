@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.linear.assembly.assembled import AssembledModel
-from torsionnet.linear.assembly.law_stiffness import LawStiffness
 from torsionnet.linear.assembly.rows import ActionLaw, ComplexArray, FloatArray
 from torsionnet.model.element_base.dynamic_stiffness import ComplexStiffness, DynamicStiffness, ScaledStiffness
+
+if TYPE_CHECKING:
+    from torsionnet.linear.assembly.law_stiffness import LawStiffness
 
 # Frequency-dependent stiffness in N m/rad of one law in many variants of a drivetrain.
 
@@ -151,6 +153,8 @@ class Batch:
 
     def law_stiffness(self, omega: FloatArray) -> LawStiffness:
         """Dynamic stiffness of all laws of all variants, in N m/rad, at omega (n_f,) in rad/s."""
+        from torsionnet.linear.assembly.law_stiffness import LawStiffness
+
         laws = dict.fromkeys(batched.law for batched in self.dynamic)
         sampled = {law: np.zeros((len(self), len(omega)), dtype=complex) for law in laws}
         # Each pass over the variants has filled one law for some of them.

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,10 +21,12 @@ from torsionnet.linear.assembly.table_range import told_of_reads
 from torsionnet.linear.batch.batch import Batch
 from torsionnet.linear.batch.batched_modes import BatchedModes, batched_modes, single_modes
 from torsionnet.linear.batch.mode_tracking import TrackedModes, track_modes
-from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, cached_request
 from torsionnet.linear.modes.modes import Modes
 from torsionnet.linear.modes.natural_modes import natural_modes
 from torsionnet.model.channels import Input, Sensor
+
+if TYPE_CHECKING:
+    from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest
 
 # Counter of the warnings of a study by their text, with a bound on the number of texts.
 
@@ -57,6 +59,7 @@ def single_response(
     model: AssembledModel, outputs: Any, inputs: Any, frequencies: FloatArray, excitation: str | None = None
 ) -> ComplexArray:
     """Transfer functions (n_f, n_out, n_in) in SI of one model at frequencies (n_f,) >= 0 in Hz."""
+    from torsionnet.linear.dynamic_stiffness.transfer_request import cached_request
     from torsionnet.linear.responses.transfer import responses, warn_infinite
 
     request = cached_request(model, outputs, inputs, excitation)
@@ -219,6 +222,8 @@ class VariantBlock:
         self, outputs: Channels, inputs: Driving, frequencies: FloatArray, excitation: str | None = None
     ) -> ComplexArray:
         """Transfer functions (n_variants, n_f, n_out, n_in) in SI at frequencies (n_f,) or (n_variants, n_f) in Hz."""
+        from torsionnet.linear.dynamic_stiffness.transfer_request import cached_request
+
         request = cached_request(self.model, outputs, inputs, excitation)
         self.reads(frequencies)
         if self.batch is not None:
