@@ -180,7 +180,7 @@ class LawStiffness:
         one, columns = len(self.stiffness) == 1, list[Any]()
         for part in (self.inertia, self.damping, self.stiffness):
             values: Any = part[0].tolist() if one else part.T[:, :, None]
-            acting = part.any(axis=0).tolist()
+            acting: Any = part.any(axis=0).tolist()
             columns.append([value if some else None for value, some in zip(values, acting, strict=True)])
         samples = {law: values[0] if one else values for law, values in self.sampled}
         return list(zip(*columns, map(samples.get, range(self.n_laws)), strict=True))
