@@ -173,6 +173,9 @@ def test_an_entry_without_value_is_named(old, name):
     (one,) = text_faults(text, "model.yaml")
     assert (one.fault.kind, text[one.span.start]) == ("missing-value", ":")
     assert one.fault.message.startswith(f'"{name}" has no value')
+    (fix,) = one.fixes
+    (left,) = text_faults(edited(text, fix.edits), "model.yaml")
+    assert left.fixes[0].title.startswith("write ")
 
 
 MENDED = {  # what is wrong in BASE, the title of the first fix; the fix gives BASE back or what stands last
@@ -209,7 +212,6 @@ MENDED = {  # what is wrong in BASE, the title of the first fix; the fix gives B
     "product": ("stiffness: k", "stiffness: 2 k", "write 2*k", "stiffness: 2*k"),
     "misspelt key alone": ("inertia: 2}", "inert}", "write inertia: 1 kg*m^2", "inertia: 1 kg*m^2}"),
     "key alone": ("inertia: 2}", "inertia}", "write 1 kg*m^2", "inertia: 1 kg*m^2}"),
-    "no value": ("inertia: 2}", "inertia:}", "write a blank behind the colon", "inertia: }"),
     "unused": ("  k: 1", "  c: 3\n  k: 1", 'delete "c"', ""),
     "misspelt definition": ("torque: motor", "torque: motr", 'write "motor"', ""),
     "line break": ("chain\nparameters:", "chain parameters:", "begin parameters on a line of its own", ""),
