@@ -373,15 +373,15 @@ def test_few_readings_go_forward_and_give_the_same_as_those_that_come_back(monke
     monkeypatch.setattr(response_problem, "MOST_FORWARD_READINGS", 0)
     monkeypatch.setattr(response_problem, "recent_plan", response_problem.recent_plan.__wrapped__)
     back = problem_of(system, unit_load(12, 2), np.eye(12)[[0, 7]])
-    assert not np.array_equal(back.tape.operations, forward.tape.operations)
+    assert not np.array_equal(back.planned[1].operations, forward.planned[1].operations)
     assert response_problem.eliminate(back, kappa) == pytest.approx(found, rel=1e-12)
 
 
 def test_a_plan_is_made_once_for_equal_rows():
     systems = (random_system(np.random.default_rng(seed), 9) for seed in (3, 3, 4))
     first, again, other = (problem_of(system, unit_load(9, 2), np.eye(9)[[0]]) for system in systems)
-    assert first.tape is again.tape
-    assert len({id(problem.tape) for problem in (first, other, first.in_other_order)}) == 3
+    assert first.planned is again.planned
+    assert len({id(problem.planned[1]) for problem in (first, other, first.in_other_order)}) == 3
 
 
 def test_registers_of_a_walk_forward_do_not_grow_with_the_drivetrain():

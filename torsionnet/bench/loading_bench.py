@@ -14,9 +14,10 @@ from torsionnet.bench.bench import Bench
 from torsionnet.bench.plan.bench_checks import check_plan
 from torsionnet.bench.plan.plan import BenchFile
 from torsionnet.drivetrain import Drivetrain, load
+from torsionnet.model.files.fault_places import located_faults, read_document
 from torsionnet.model.files.library import library_benches
 from torsionnet.model.files.located_yaml import LocatedDocument
-from torsionnet.model.files.reader import find_model, located_faults, read_document, read_file
+from torsionnet.model.files.reader import find_model, read_file
 
 
 def load_bench(bench: str | os.PathLike[str]) -> Bench:

@@ -18,8 +18,9 @@ from torsionnet.identification.residuals.measurement import Measurement, set_poi
 from torsionnet.identification.residuals.measurement_blocks import record_settings, welch_settings
 from torsionnet.identification.unknown_parameter import Unknown
 from torsionnet.linear.frequency_response import FrequencyResponse
+from torsionnet.model.files.fault_places import located_faults, read_document
 from torsionnet.model.files.located_yaml import LocatedDocument
-from torsionnet.model.files.reader import is_file, located_faults, read_document
+from torsionnet.model.files.reader import is_file
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.records.recording_files import channel_names, read_even
 from torsionnet.signals.stepped_levels import SteppedStiffness

@@ -184,7 +184,7 @@ class FitProblem:
             other = start.copy()
             for index, angles in likely:
                 other[index] = min(
-                    angles, key=lambda likely: abs(np.exp(0.5j * likely) - np.exp(0.5j * angle)), default=angle
+                    angles, key=lambda near: abs(np.exp(0.5j * near) - np.exp(0.5j * angle)), default=angle
                 )
             if not np.array_equal(other, start):
                 starts.append(other)

@@ -31,9 +31,9 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.lack_of_fit import LackOfFit
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.model.files.fault_places import located_faults
 from torsionnet.model.files.library import decode
 from torsionnet.model.files.located_yaml import compose
-from torsionnet.model.files.reader import located_faults
 from torsionnet.model.files.writer import block_text
 
 

@@ -24,8 +24,8 @@ from torsionnet.io.tors_file import (
     TorsFile,
 )
 from torsionnet.model.elements import GROUND, Damper, Element, Gear, Inertia, Shaft, Spring
+from torsionnet.model.files.fault_places import located_faults
 from torsionnet.model.files.located_yaml import compose
-from torsionnet.model.files.reader import located_faults
 
 # Elements, nodes and inputs of the drivetrain that a TORS file describes.
 

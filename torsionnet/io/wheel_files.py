@@ -17,7 +17,7 @@ from torsionnet.base.entries.composite import Listed, Named, Nested, PairOf
 from torsionnet.base.entries.declared import FORMAT_VERSION, KEY, Declared, version_faults
 from torsionnet.base.entries.spec import Count, EntryError, Flag, OneOf, Schema, Spec, Text, entry
 from torsionnet.base.errors import Fault, ModelError, UsageError, got
-from torsionnet.model.files.reader import located_faults, read_document
+from torsionnet.model.files.fault_places import located_faults, read_document
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.records.recording_files import pulse_names, read_even
 from torsionnet.signals.rotation.counter import PulseReading

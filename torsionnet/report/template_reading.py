@@ -18,9 +18,9 @@ from typing import Any
 from jinja2 import Environment, TemplateSyntaxError, nodes
 
 from torsionnet.base.errors import Fault, ModelError, Position, UsageError, did_you_mean, suggestion_or
+from torsionnet.model.files.fault_places import located_faults, presentable_faults
 from torsionnet.model.files.library import MOST_BYTES, decode
 from torsionnet.model.files.located_yaml import compose
-from torsionnet.model.files.reader import located_faults, presentable_faults
 from torsionnet.report.template_folder import STYLE, TemplateFolder, TemplateFolderError
 from torsionnet.report.wording import Wording, Words
 from torsionnet.report.writers.templating import environment_of, shipped_blocks

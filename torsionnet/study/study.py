@@ -16,8 +16,8 @@ from torsionnet.base.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.base.packages import NotebookResult
 from torsionnet.base.table import Column, Table
 from torsionnet.drivetrain import Drivetrain, load
+from torsionnet.model.files.fault_places import located_faults, read_document
 from torsionnet.model.files.library import library_models, library_studies
-from torsionnet.model.files.reader import located_faults, read_document
 from torsionnet.study.answers.answer import StudyAnswer
 from torsionnet.study.examined_study import answer_faults, examine_study, unknown_names_in_answers
 from torsionnet.study.quantities.evaluator import Evaluator

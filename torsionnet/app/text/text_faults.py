@@ -17,9 +17,10 @@ from torsionnet.base.errors import UNKNOWN_NAMES, EntryPath, Fault, ModelError, 
 from torsionnet.base.packages import gc_paused
 from torsionnet.model.checks import names
 from torsionnet.model.defining import define
+from torsionnet.model.files.fault_places import located_faults, presentable_faults
 from torsionnet.model.files.located_yaml import LocatedDocument, compose
 from torsionnet.model.files.part_includes import include_parts
-from torsionnet.model.files.reader import located_faults, presentable_faults, read_text
+from torsionnet.model.files.reader import read_text
 
 # Faults of the rest of a model text that is no sound YAML, without those that only follow from the break.
 

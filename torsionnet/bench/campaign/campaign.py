@@ -26,8 +26,9 @@ from torsionnet.io.wheel_files import read_wheel_pattern
 from torsionnet.linear.sensitivity.unknowns import unknowns
 from torsionnet.model.channels import Sensor, named_sensor
 from torsionnet.model.definition import all_nodes
+from torsionnet.model.files.fault_places import located_faults, read_document
 from torsionnet.model.files.library import library_campaigns
-from torsionnet.model.files.reader import is_file, located_faults, read_document
+from torsionnet.model.files.reader import is_file
 from torsionnet.model.sections import REPORT_FAULTS
 from torsionnet.signals.rotation.turn_pattern import check_pattern
 from torsionnet.signals.rotation.wheel import WheelPattern

@@ -60,8 +60,9 @@ class ManyDigits:
         solved = [[in_many_digits(0)] * len(problem.excitations) for _ in range(problem.n_read)]
         # The tapes of double precision, with numbers of many digits.
         for excitations, part in problem.eliminations:
-            slots = [sum(factor * kappa[law] for law, factor in source) for source in part.plan.sources]
-            for value, quantity in run_tape(part.tape, slots).items():
+            plan, tape = part.planned
+            slots = [sum(factor * kappa[law] for law, factor in source) for source in plan.sources]
+            for value, quantity in run_tape(tape, slots).items():
                 reading, place = divmod(value, len(excitations))
                 solved[reading][excitations[place]] = quantity
         solved, torques = self._closed(solved, s) if self.actions else (solved, [])

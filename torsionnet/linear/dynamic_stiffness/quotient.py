@@ -95,7 +95,8 @@ def chosen_method(problem: ResponseProblem, n_points: int, method: str) -> str:
     """Name of the solver to use, for ``auto`` the compiled loop for many points wherever numba works, else numpy."""
     if method != "auto":
         return method
-    is_large = n_points * sum(len(part.tape.operations) for _, part in problem.eliminations) >= COMPILED_WORK
+    tapes = (part.planned[1] for _, part in problem.eliminations)
+    is_large = n_points * sum(len(tape.operations) for tape in tapes) >= COMPILED_WORK
     return "compiled" if is_large and compiled_works() else "graph"
 
 
@@ -238,8 +239,9 @@ def _compiled(request: TransferRequest, reading_problem: ReadingProblem, laws: L
     for (excitations, part), table in zip(parts, tables, strict=True):
         if table is None:
             return None
-        slots = laws.law_sums(len(part.plan.sources), part.plan.law_terms)
-        block, conditioning = compiled.read(part.tape, slots, table, laws.only(table.laws))
+        plan, tape = part.planned
+        slots = laws.law_sums(len(plan.sources), plan.law_terms)
+        block, conditioning = compiled.read(tape, slots, table, laws.only(table.laws))
         if len(parts) == 1:
             values = block
         else:

@@ -89,7 +89,7 @@ class ReadingProblem:
         # n_excitations * solved + number. All others are zero whatever the stiffnesses.
         reached: dict[int, set[int]] = {}
         for excitations, part in self.problem.eliminations:
-            operations = part.tape.operations
+            operations = part.planned[1].operations
             for value in operations[operations[:, 0] == OUTPUT, 1].tolist():
                 place, number = divmod(value, len(excitations))
                 reached.setdefault(place, set()).add(excitations[number])

@@ -330,16 +330,8 @@ class ResponseProblem:
         """
         return replace(self, other_order=True)
 
-    @property
-    def plan(self) -> EliminationPlan:
-        return self._planned[0]
-
-    @property
-    def tape(self) -> Tape:
-        return self._planned[1]
-
     @cached_property
-    def _planned(self) -> tuple[EliminationPlan, Tape]:
+    def planned(self) -> tuple[EliminationPlan, Tape]:
         """Plan and tape, which depend on rows alone: a model whose values alone change asks for the same again."""
         rows = [[*self.laws], [excitation.load for excitation in self.excitations], [*self.outputs]]
         if self.other_order:
@@ -390,6 +382,7 @@ def eliminate(problem: ResponseProblem, laws: LawStiffness, walk: Walk = sweep) 
     values = np.zeros((problem.n_read, len(problem.excitations), laws.n_points), dtype=complex)
     with np.errstate(all="ignore"):
         for excitations, part in problem.eliminations:
-            solved = walk(part.tape, laws.law_sums(len(part.plan.sources), part.plan.law_terms))
+            plan, tape = part.planned
+            solved = walk(tape, laws.law_sums(len(plan.sources), plan.law_terms))
             values[:, excitations] = solved.reshape(problem.n_read, len(excitations), laws.n_points)
     return values

@@ -25,8 +25,8 @@ from torsionnet.base.units import expected_unit
 from torsionnet.model.definition import Definition
 from torsionnet.model.element_base.element import ELEMENT_TYPES
 from torsionnet.model.element_base.element_entries import NodeName, NodePair, Teeth
+from torsionnet.model.files.fault_places import entry_at
 from torsionnet.model.files.located_yaml import LocatedDocument, compose
-from torsionnet.model.files.reader import entry_at
 from torsionnet.model.files.value_editing import node_at
 
 # Faults of a model text with their places, as the rules of quick fixes look at them.
