@@ -86,9 +86,9 @@ except ModuleNotFoundError as error:
 except ImportError as error:
     raise MissingExtraError(f"the compiled solver needs a numba that works with this numpy: {error}") from error
 
-POINTS_AT_ONCE = 128
-"""Number of frequency points that the compiled loop works on at once, enough for vector instructions and few enough for
-a thousand registers in the cache."""
+MOST_AT_ONCE, VECTOR = 256, 16
+"""Most frequency points that the compiled loop works on at once, few enough for a thousand registers in the cache, and
+the number of which theirs is a multiple, for vector instructions."""
 
 LAW, LAW_SUM, CONSTANT, SUM = ops.LAW, ops.LAW_SUM, ops.CONSTANT, ops.SUM
 PRODUCT, QUOTIENT, INVERSE = ops.PRODUCT, ops.QUOTIENT, ops.INVERSE
@@ -131,8 +131,11 @@ def read(tape: Tape, slots: LawStiffness, table: ReadingTable, laws: LawStiffnes
 def _own(tape: Tape, laws: LawStiffness) -> tuple[FloatArray, FloatArray]:
     """Factors of a tape and its registers, in the precision of the laws."""
     kind = laws.stiffness.dtype
-    registers = ops.in_cache_lines(tape.n_registers, 2 * POINTS_AT_ONCE, kind)
-    return tape.factors.astype(kind), registers.reshape(-1, 2, POINTS_AT_ONCE)
+    # Blocks of equal length, so that few points of the last one do not count.
+    n_f = max(laws.omega.shape[-1], 1)
+    n_points = VECTOR * math.ceil(n_f / math.ceil(n_f / MOST_AT_ONCE) / VECTOR)
+    registers = ops.in_cache_lines(tape.n_registers, 2 * n_points, kind)
+    return tape.factors.astype(kind), registers.reshape(-1, 2, n_points)
 
 
 def _law_arrays(laws: LawStiffness) -> tuple[Any, ...]:
@@ -165,13 +168,13 @@ def _walk(
         code, t, a, b = operations[number]
         f = factors[number]
         if code == PRODUCT:  # (a + jb)(c + jd), on real and imaginary parts apart: complex numbers give no vector code
-            for i in range(POINTS_AT_ONCE):
+            for i in range(r.shape[2]):
                 real = r[a, 0, i] * r[b, 0, i] - r[a, 1, i] * r[b, 1, i]
                 imag = r[a, 0, i] * r[b, 1, i] + r[a, 1, i] * r[b, 0, i]
                 r[t, 0, i] = real
                 r[t, 1, i] = imag
         elif code == SUM:  # r_a + f r_b
-            for i in range(POINTS_AT_ONCE):
+            for i in range(r.shape[2]):
                 more, beside = f * r[b, 0, i], f * r[b, 1, i]
                 real, imag = r[a, 0, i] + more, r[a, 1, i] + beside
                 r[t, 0, i] = real
@@ -179,38 +182,38 @@ def _walk(
         elif code in (LAW, LAW_SUM):  # kappa = k - J omega^2 + j c omega, and the sample of a table where there is one
             k, J, c, at = stiffness[b], inertia[b], damping[b], place[b]
             if code == LAW:
-                for i in range(POINTS_AT_ONCE):
+                for i in range(r.shape[2]):
                     r[t, 0, i] = k - J * w2[i]
                     r[t, 1, i] = c * w[i]
             else:
-                for i in range(POINTS_AT_ONCE):
+                for i in range(r.shape[2]):
                     real, imag = k - J * w2[i] + f * r[a, 0, i], c * w[i] + f * r[a, 1, i]
                     r[t, 0, i] = real
                     r[t, 1, i] = imag
             if at >= 0:
-                for i in range(POINTS_AT_ONCE):
+                for i in range(r.shape[2]):
                     value = sampled[at, first + min(i, n - 1)]
                     r[t, 0, i] += value.real
                     r[t, 1, i] += value.imag
         elif code == QUOTIENT:  # r_a conj(b)/|b|^2, b = r_b + f r_a
-            for i in range(POINTS_AT_ONCE):
+            for i in range(r.shape[2]):
                 c, d = r[b, 0, i] + f * r[a, 0, i], r[b, 1, i] + f * r[a, 1, i]
                 scale = one / (c * c + d * d)
                 real, imag = r[a, 0, i] * c + r[a, 1, i] * d, r[a, 1, i] * c - r[a, 0, i] * d
                 r[t, 0, i] = real * scale
                 r[t, 1, i] = imag * scale
         elif code == INVERSE:
-            for i in range(POINTS_AT_ONCE):
+            for i in range(r.shape[2]):
                 scale = one / (r[a, 0, i] * r[a, 0, i] + r[a, 1, i] * r[a, 1, i])
                 real, imag = r[a, 0, i] * scale, -r[a, 1, i] * scale
                 r[t, 0, i] = real
                 r[t, 1, i] = imag
         elif code == CONSTANT:
-            for i in range(POINTS_AT_ONCE):
+            for i in range(r.shape[2]):
                 r[t, 0, i] = f
                 r[t, 1, i] = 0.0
         else:  # OUTPUT
-            for i in range(POINTS_AT_ONCE):
+            for i in range(r.shape[2]):
                 y[t, 0, i] = f * r[a, 0, i]
                 y[t, 1, i] = f * r[a, 1, i]
 
@@ -221,12 +224,12 @@ def _sweeping(
 ) -> None:  # fmt: skip
     """Run a tape at all frequency points of all variants, and fill in ``values``."""
     n_variants, n_f = inertia.shape[0], omega.shape[1]
-    w, w2 = np.empty(POINTS_AT_ONCE, r.dtype), np.empty(POINTS_AT_ONCE, r.dtype)
-    y = np.zeros((values.shape[0], 2, POINTS_AT_ONCE), r.dtype)
+    w, w2 = np.empty(r.shape[2], r.dtype), np.empty(r.shape[2], r.dtype)
+    y = np.zeros((values.shape[0], 2, r.shape[2]), r.dtype)
     for variant in range(n_variants):
         offset = variant * n_f
-        for first in range(0, n_f, POINTS_AT_ONCE):
-            n = min(POINTS_AT_ONCE, n_f - first)
+        for first in range(0, n_f, r.shape[2]):
+            n = min(r.shape[2], n_f - first)
             _start(omega[min(variant, omega.shape[0] - 1)], first, n, w, w2)
             _points(operations, factors, inertia[variant], damping[variant], stiffness[variant], place,
                     sampled[:, variant], w2, w, first, n, r, y)  # fmt: skip
@@ -240,7 +243,7 @@ def _starting(omega: Any, first: int, n: int, w: Any, w2: Any) -> None:
 
     The last one is repeated for points that do not count.
     """
-    for i in range(POINTS_AT_ONCE):
+    for i in range(len(w)):
         w[i] = omega[first + min(i, n - 1)]
         w2[i] = w[i] * w[i]
 
@@ -259,12 +262,12 @@ def _reading(
     n_variants, n_f = inertia.shape[0], omega.shape[1]
     n_out = values.shape[1]
     n_readings = n_out + is_measured
-    w, w2 = np.empty(POINTS_AT_ONCE, r.dtype), np.empty(POINTS_AT_ONCE, r.dtype)
-    y, z = np.zeros((n_values, 2, POINTS_AT_ONCE), r.dtype), np.empty((whole.shape[0], n_exc, 2, POINTS_AT_ONCE))
-    c, size = np.empty((2, POINTS_AT_ONCE)), np.empty(POINTS_AT_ONCE)
+    w, w2 = np.empty(r.shape[2], r.dtype), np.empty(r.shape[2], r.dtype)
+    y, z = np.zeros((n_values, 2, r.shape[2]), r.dtype), np.empty((whole.shape[0], n_exc, 2, r.shape[2]))
+    c, size = np.empty((2, r.shape[2])), np.empty(r.shape[2])
     for variant in range(n_variants):
-        for first in range(0, n_f, POINTS_AT_ONCE):
-            n = min(POINTS_AT_ONCE, n_f - first)
+        for first in range(0, n_f, r.shape[2]):
+            n = min(r.shape[2], n_f - first)
             _start(omega[min(variant, omega.shape[0] - 1)], first, n, w, w2)
             _points(operations, factors, inertia[variant], damping[variant], stiffness[variant], place,
                     sampled[:, variant], w2, w, first, n, r, y)  # fmt: skip
@@ -272,13 +275,13 @@ def _reading(
                 solved, power, law = whole[number]
                 f = shares[number]
                 # factor s^power at s = j omega: f, j f omega or -f omega^2
-                for i in range(POINTS_AT_ONCE):
+                for i in range(r.shape[2]):
                     c[0, i] = f if power <= 0 else 0.0 if power == 1 else -f * w2[i]
                     c[1, i] = f * w[i] if power == 1 else 0.0
                 if law >= 0:
                     # f kappa = f (k - J omega^2 + j c omega), and the sample of a table
                     k, J, d = own_stiffness[variant, law], own_inertia[variant, law], own_damping[variant, law]
-                    for i in range(POINTS_AT_ONCE):
+                    for i in range(r.shape[2]):
                         c[0, i] = f * (k - J * w2[i])
                         c[1, i] = f * (d * w[i])
                     if own_place[law] >= 0:
@@ -288,27 +291,27 @@ def _reading(
                             c[1, i] += f * value.imag
                 for e in range(n_exc):
                     t = solved * n_exc + e
-                    for i in range(POINTS_AT_ONCE):
+                    for i in range(r.shape[2]):
                         real = c[0, i] * y[t, 0, i] - c[1, i] * y[t, 1, i]
                         imag = c[0, i] * y[t, 1, i] + c[1, i] * y[t, 0, i]
                         z[number, e, 0, i] = real
                         z[number, e, 1, i] = imag
             offset = variant * n_f + first
             if is_measured:
-                for i in range(POINTS_AT_ONCE):
+                for i in range(r.shape[2]):
                     size[i] = applied
                 for number in range(n_readings, whole.shape[0]):
-                    for i in range(POINTS_AT_ONCE):
+                    for i in range(r.shape[2]):
                         size[i] += math.sqrt(z[number, 0, 0, i] ** 2 + z[number, 0, 1, i] ** 2)
                 # Conditioning |y| over its terms, and 1 / y = conj(y) / |y|^2 to multiply the readings by.
-                for i in range(POINTS_AT_ONCE):
+                for i in range(r.shape[2]):
                     a, b = z[n_out, 0, 0, i], z[n_out, 0, 1, i]
                     square = a * a + b * b
                     size[i] = math.sqrt(square) / size[i] if size[i] > 0.0 else 0.0
                     scale = 1.0 / square if LEAST_SQUARE < square < MOST_SQUARE else math.nan
                     c[0, i], c[1, i] = a * scale, -b * scale
                 for number in range(n_out):
-                    for i in range(POINTS_AT_ONCE):
+                    for i in range(r.shape[2]):
                         real = z[number, 0, 0, i] * c[0, i] - z[number, 0, 1, i] * c[1, i]
                         imag = z[number, 0, 0, i] * c[1, i] + z[number, 0, 1, i] * c[0, i]
                         z[number, 0, 0, i] = real
