@@ -63,7 +63,7 @@ def make_tape(plan: EliminationPlan) -> Tape:
     >>> from torsionnet.linear.dynamic_stiffness.graph_plan import make_plan
     >>> tape = make_tape(make_plan([{0: 1.0}, {0: 1.0, 1: -1.0}], 2, [{1: 1.0}], [{}], [{1: 1.0}], ()))
     >>> len(tape.operations), tape.n_registers
-    (7, 4)
+    (6, 3)
     """
     n_read = len(plan.outputs) + len(plan.reactions)
     taping = (_Forward if n_read <= MOST_FORWARD_READINGS else _Back)(plan)
