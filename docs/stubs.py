@@ -36,8 +36,9 @@ def stubs() -> dict[Path, str]:
     """Texts of all stubs, by path."""
     for name in tn.__all__:
         getattr(tn, name)
-    found = {_path(f"{package}.__init__"): package_stub(package) for package in TABLES}
-    return found | {_path(ELEMENT_TYPES): element_types_stub(), _path(ENTRY_CLASSES): entry_classes_stub()}
+    packages = {name: f"{name}.__init__" if hasattr(import_module(name), "__path__") else name for name in TABLES}
+    named = {_path(module): package_stub(name) for name, module in packages.items()}
+    return named | {_path(ELEMENT_TYPES): element_types_stub(), _path(ENTRY_CLASSES): entry_classes_stub()}
 
 
 def _path(module: str) -> Path:

@@ -86,7 +86,7 @@ def test_names_of_units():
 def test_a_module_never_takes_the_place_of_a_name(package):
     """Importing ``torsionnet.plot.bode`` binds the module to ``plot.bode``, unless that was imported before."""
     names = [*package.__all__]
-    for module in pkgutil.iter_modules(package.__path__, f"{package.__name__}."):
+    for module in pkgutil.iter_modules(getattr(package, "__path__", ()), f"{package.__name__}."):
         importlib.import_module(module.name)
     assert not [name for name in names if isinstance(getattr(package, name), ModuleType)]
 
