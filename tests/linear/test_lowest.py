@@ -183,6 +183,14 @@ def test_inconsistent_loop_of_ratios_holds_still():
     np.testing.assert_allclose(null_space(Rows.of(rows).maps, 80).basis()[:, 0], 80**-0.5)
 
 
+def test_wide_row_that_cancels_in_parts_that_turn_as_one_holds_nothing():
+    tied = [{0: 1.0, 1: -1.0}, {1: 1.0, 2: -1.0}]
+    for wide in ({0: 0.1, 1: 0.2, 2: -0.3}, {0: 0.5, 1: 0.5, 2: -1.0}):  # to 6e-17, and to nothing
+        beside = {2: 1.0, 3: 1.0, 4: -2.0}
+        assert null_space([wide, *tied], 3).columns == ({0: 1.0, 1: 1.0, 2: 1.0},)
+        assert null_space([wide, *tied, beside], 5).dimension == 2
+
+
 def test_result_with_lowest_is_the_start_of_the_whole():
     rig = tn.load("amt_rig").configured("V")
     whole, few = rig.modes(), rig.modes(lowest=2)

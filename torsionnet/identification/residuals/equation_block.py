@@ -273,7 +273,9 @@ class EquationBlock(MeasurementBlock):
         """Covariance (n_b, n_b) of the equations by the noise of twist and torque, N^2 m^2."""
         motion, rest = self.motion, self.equation.rest(values.tolist())
         by_twist, by_torque = motion.noise
-        shift = max(by_twist, 1e-6 * float(np.ptp(motion.twist)))
+        # Twists of the laws are those measured over p.
+        p = abs(rest.output)
+        turning, shift = motion.turning / p, max(by_twist, 1e-6 * float(np.ptp(motion.twist))) / p
         ends = [
             self.equation.torque(
                 values.tolist(), self._followed / rest.output + move, motion.rate / rest.output, motion.step
@@ -287,7 +289,7 @@ class EquationBlock(MeasurementBlock):
             # Laws see the smooth twist: neighbours share the noise under its cubics.
             weights = _through(weights, scipy.signal.savgol_coeffs(motion.width, 3))
         # Friction turns when the rate does, which is differenced from the noise, too.
-        move = np.hypot(motion.ripple / CLEAR_OF_NOISE, motion.turning) + np.finfo(float).tiny ** 0.5
+        move = np.hypot(motion.ripple / CLEAR_OF_NOISE / p, turning) + np.finfo(float).tiny ** 0.5
         faster, slower = (
             self.equation.torque(
                 values.tolist(), self._followed / rest.output, motion.rate / rest.output + way, motion.step
@@ -299,9 +301,9 @@ class EquationBlock(MeasurementBlock):
             self._under(slope) * phi, scipy.signal.savgol_coeffs(motion.rate_width, 3, 1, motion.step)[::-1]
         )
         shares = (
-            (self._placed(weights) + self._placed(by_rate)) * (by_twist / rest.output),
+            (self._placed(weights) + self._placed(by_rate)) * (by_twist / p),
             self._placed(np.tile(rest.drive * by_torque * phi, (len(weights), 1))),
-            self._placed(self._under(slope * motion.turning) * phi),
+            self._placed(self._under(slope * turning) * phi),
         )
         covariance = np.asarray(sum((share @ share.T).toarray() for share in shares))
         least = (1e-9 * float(np.abs(ends[0]).max()) + np.finfo(float).tiny ** 0.5) ** 2

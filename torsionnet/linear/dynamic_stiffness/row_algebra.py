@@ -389,7 +389,8 @@ class _Parts:
                 continue
             term = Rounded(factor, WIDE_ROW_ROUNDING * abs(factor))
             result[part] = result[part] + term if part in result else term
-        return result
+        # What rounding leaves of terms that cancel, as of ratios around a loop of gears, holds nothing.
+        return {part: total for part, total in result.items() if total != 0}
 
     def part_angles(self, part: int, ratio: float) -> dict[int, float]:
         """Angles by coordinate, of a group of tied coordinates, when its first coordinate turns by ``ratio``."""

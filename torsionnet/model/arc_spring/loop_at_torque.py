@@ -72,7 +72,7 @@ def _marched(springs: ArcSprings, amplitude: float, mean_torque: float) -> SlowL
     segments = min(MOST_SEGMENTS, max(segments, segments_needed(max(depth, 1 / segments), LOSS_SHARE)))
 
     def over(twist: float) -> float:
-        # About no twist the loop is its own mirror image.
+        # About no twist the loop is its own mirror image, but for what the first loading leaves in coils.
         return (marched_loop(springs, amplitude, twist, segments).mean_torque if twist else 0.0) - mean_torque
 
     # The mean torque rises with the mean twist, also in steps.

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from typing import Any, ClassVar, TypeAlias
 
 from torsionnet.base.entries.composite import Listed
@@ -221,6 +222,7 @@ WeightedRow: TypeAlias = tuple[dict[int, Fraction], Fraction]
 """Type of a row by column, and its coefficient."""
 
 
+@lru_cache(maxsize=3)
 def weighted_rows(matrix: SquareMatrix) -> tuple[list[WeightedRow], int | None]:
     """Rows a_i with coefficients d_i > 0 of a symmetric matrix, A = sum d_i a_i a_i^T, and a row without, or None.
 
