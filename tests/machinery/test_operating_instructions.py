@@ -12,6 +12,7 @@ from support.limit_cases import RPM, hump, m68, stressed
 
 import torsionnet as tn
 from torsionnet.base.result_fields import json_schema
+from torsionnet.machinery.verdicts import limit_checking
 from torsionnet.machinery.verdicts.limit_check import LimitCheck
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
 from torsionnet.machinery.verdicts.limit_verdict import without_narrow_windows
@@ -48,14 +49,14 @@ class TestWindows:
         found = two(stress, other)
         speeds = RPM * np.arange(20.0, 104.01, 0.5)
         return check({str(place): one for place, one in enumerate(
-            without_narrow_windows([*found.values()], speeds, RPM * rated))})  # fmt: skip
+            without_narrow_windows([*found.values()], speeds, [None, RPM * rated]))})  # fmt: skip
 
     @pytest.mark.parametrize(
         ("at", "rated", "ranges"),
         [
             (62, 100, [(45, 68)]),  # 2.4 rpm between, 4.4 % of 54.7 rpm
             (64, 100, [(45, 55), (58, 70)]),  # 7.9 %
-            (62, 56, [(45, 55), (57, 68)]),  # rated speed is governed in its window
+            (62, 56, [(45, 55), (57, 68)]),  # rated speed is governed in its window, safe navigation kept
         ],
     )
     def test_no_speed_is_held_between_two_ranges_that_are_nearly_one(self, at, rated, ranges):
@@ -64,6 +65,24 @@ class TestWindows:
         assert [(row.from_rpm, row.to_rpm) for row in operating_instructions([done])] == ranges
         remarks = [remark for verdict in done.verdicts for remark in verdict.remarks if "narrow" in remark]
         assert len(remarks) == (len(ranges) == 1)
+
+    @pytest.mark.parametrize(("condition", "safe"), [("misfire", 63 * RPM), ("normal", None)])
+    def test_with_a_cylinder_out_the_window_of_safe_navigation_stays(self, monkeypatch, condition, safe):
+        kept = []
+        monkeypatch.setattr(
+            limit_checking, "without_narrow_windows", lambda known, _, speeds: kept.extend(speeds) or known
+        )
+        tn.load("two_stroke_ship").configured(condition).check_limits("tail", speeds=[60 * RPM, 80 * RPM], refine=False)
+        assert kept == [pytest.approx(105 * RPM), safe and pytest.approx(safe)]
+
+    def test_a_single_speed_that_is_barred_is_not_refused(self):
+        """The range of one speed has no width."""
+        speed = np.array([10.0])
+        alone = replace(
+            stressed(hump(70, 50), m68())["tau_C"], verdict="fail", speeds=speed, values=speed, allowed=speed / 2
+        )
+        assert replace(alone, barred=(SpeedSpan(10.0, 10.0),)).refused == ()
+        assert alone.refused != ()
 
     def test_nor_below_a_range_that_is_not_passed(self):
         """Barred up to lambda = 0.8, and exceeded again from 0.83 on, where no range may be barred."""

@@ -214,6 +214,9 @@ class IacsM68(ClassRuleShaft):
     def highest_ratio(self) -> float:
         return HIGHEST_RATIO
 
+    def kept_free(self, subject: LimitSubject) -> float | None:
+        return self.safe_speed if subject.misfiring else None
+
     def breaks(self, subject: LimitSubject) -> list[float]:
         rated = self.rated_speed(subject)
         return [*super().breaks(subject), NO_BARRED_ABOVE * rated, CONSTANT_ABOVE * rated, HIGHEST_RATIO * rated]

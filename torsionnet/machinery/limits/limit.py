@@ -209,6 +209,11 @@ class Limit(Declared):
         """Whether it allows a share of the mean values at rated speed and full load."""
         return False
 
+    def kept_free(self, subject: LimitSubject) -> float | None:
+        """Speed in rad/s that has to stay free in the subject's condition, as for safe navigation; None without one."""
+        del subject
+        return None
+
     @property
     def seconds_to_pass(self) -> float | None:
         """Longest time in s in which a barred range is to be passed; None where nothing is said."""

@@ -352,7 +352,8 @@ class _Examination:
             else verdict
             for verdict in every
         ]
-        return without_narrow_windows(known, curves.run.speeds, self.subject.rated)
+        kept = [self.subject.rated, *(limit.kept_free(self.subject) for limit in self._here)]
+        return without_narrow_windows(known, curves.run.speeds, kept)
 
     def wanted(self, curves: _Examined) -> FloatArray:
         """Speeds (n,) in rad/s to add where the curves of the limits are not resolved yet."""

@@ -232,7 +232,11 @@ class LimitVerdict:
         ends = SpeedSpan(float(self.speeds[0]), float(self.speeds[-1]))
         above = spans_above(self.speeds, self.values, self.allowed)
         # A barred range may end where a refused one begins, as the window between them was closed.
-        open_ones = [span for span in above if not any(barred.low <= span.low < barred.high for barred in self.barred)]
+        open_ones = [
+            span
+            for span in above
+            if span not in self.barred and not any(barred.low <= span.low < barred.high for barred in self.barred)
+        ]
         return joined_spans([*self.unpassed, *(span.widened(self.tolerance).within(ends) for span in open_ones)])
 
     @property
@@ -327,18 +331,20 @@ TOO_NARROW = "barred from {low:.5g} to {high:.5g} rpm, too: no speed is held in 
 
 
 def without_narrow_windows(
-    verdicts: Sequence[LimitVerdict], speeds: FloatArray, rated: float | None
+    verdicts: Sequence[LimitVerdict], speeds: FloatArray, kept: Iterable[float | None]
 ) -> tuple[LimitVerdict, ...]:
     """Verdicts of one condition whose barred ranges reach up to the next range where only a narrow window is between.
 
-    The ranges are those of all limits, whether they are passed or refused. A window with the rated speed stays open.
+    The ranges are those of all limits, whether they are passed or refused. A window with a speed in rad/s that is kept,
+    as the rated one, stays open.
     """
+    known = [speed for speed in kept if speed]
     ranges = _unpermitted(verdicts, speeds)
     windows = [SpeedSpan(below.high, above.low) for below, above in pairwise(ranges)]
     narrow = {
         window.low: window
         for window in windows
-        if window.high <= window.low * (1 + NARROWEST_WINDOW) and not (rated and window.holds(rated))
+        if window.high <= window.low * (1 + NARROWEST_WINDOW) and not any(map(window.holds, known))
     }
     return tuple(_up_to_next(verdict, narrow) for verdict in verdicts) if narrow else tuple(verdicts)
 
