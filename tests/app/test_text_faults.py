@@ -205,6 +205,8 @@ MENDED = {  # what is wrong in BASE, the title of the first fix; the fix gives B
     "duplicate": ("vehicle:", "rotor:  ", "rename to rotor_2", "rotor_2:  "),
     "duplicate key": ("stiffness: k}", "stiffness: k, stiffness: 3}", 'delete this "stiffness"', ""),
     "version": ("torsionnet: 1\n", "", "insert torsionnet: 1", ""),
+    "version without a value": ("torsionnet: 1\n", "torsionnet:\n", "write torsionnet: 1", ""),
+    "blank among brackets": ("inputs:  {T_M: {torque: motor}}", "inputs:\n  T_M:{torque: motor}", 'write "T_M: "', "\n  T_M: {torque: motor}"),
     "truth": ("inertia: 2}", "inertia: 2, enabled: no}", "write false", "inertia: 2, enabled: false}"),
     "number as a name": ("name: chain", "name: 3", "put it in quotes", 'name: "3"'),
     "thousands": ("inertia: 2}", "inertia: 13 300 kg*m^2}", "write 13300", "inertia: 13300 kg*m^2}"),

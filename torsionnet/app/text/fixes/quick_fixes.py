@@ -29,6 +29,9 @@ def missing_entry(place: FaultPlace) -> Iterator[TextFix]:
     if fault.kind != "missing-entry" or not fault.about:
         return
     root = written.node(())
+    if fault.about in root.entries and not fault.path:  # the version, without a value
+        yield TextFix("write torsionnet: 1", (written.replacement((fault.about,), 1),))
+        return
     # The version stands first in a file.
     if fault.about == "torsionnet" and not written.is_flow(root):
         start = written.start(root)

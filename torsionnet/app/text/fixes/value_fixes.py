@@ -374,10 +374,10 @@ def valid_name(place: FaultPlace) -> Iterator[TextFix]:
     name = place.fault.about
     if place.fault.kind != "invalid-name" or '"' in name:
         return
-    split = re.fullmatch(r"(\w+)(\s*)([{\[]\w*)", name)
-    if split:  # a colon is missing before the bracket
+    split = re.fullmatch(r"(\w+)(\s*:?\s*)([{\[]\w*)", name)
+    if split:  # a colon, or the blank behind it, is missing before the bracket
         start = place.span.start + place.shown.find(name) + split.end(1)
-        blank = split[2] or " "
+        blank = split[2].rpartition(":")[2] or " "
         yield from place.fix(f'write "{split[1]}: "', TextEdit(TextSpan(start, start + len(split[2])), f":{blank}"))
         return
     new = re.sub(r"[^A-Za-z0-9_]+", "_", name).strip("_")
