@@ -114,6 +114,14 @@ def test_lost_digits_are_told():
         model.to_control("phi", "acc")
 
 
+def test_free_motion_behind_the_meter_has_lost_no_digits():
+    """Its double pole at 0 is one of 1e-7 rad/s by rounding."""
+    elements = [tn.Inertia(f"J_{node}", node=node, inertia=J) for node, J in zip("abcd", (1, 2, 1, 1), strict=True)]
+    elements += [tn.Spring(f"k_{a}{b}", nodes=(a, b), stiffness=100, damping=0.1) for a, b in ("ab", "bc", "cd")]
+    sensors = {"T": {"torque": "k_bc"}, "phi": {"angle": "c"}}
+    agrees(tn.Drivetrain("line", elements, inputs={"T_a": {"torque": "a"}}, sensors=sensors), "phi", "T")
+
+
 def test_an_acceleration_that_shows_the_torque_alone_has_no_state_space():
     """Of a free mass alpha = T/J, and against its angle s^2: no state carries that."""
     sensors = {"phi": {"angle": "a"}, "alpha": {"acceleration": "a"}}

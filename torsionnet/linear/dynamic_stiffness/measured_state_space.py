@@ -26,9 +26,9 @@ from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest
 
 NEGLIGIBLE = 1e-9
 """Size of a number over that of its terms below which it counts as zero, as the terms themselves are rounded."""
-CHECKED, TOLD_ERROR = 12, 1e-5
-"""Number of frequencies at which a state space is compared with the response, and share of that above which an error is
-told."""
+CHECKED, TOLD_ERROR, FREE = 12, 1e-5, 1e-6
+"""Number of frequencies at which a state space is compared with the response, share of that above which an error is
+told, and size over the median of a pole that is rounding: the double one at 0 of a free motion has half the digits."""
 HIDDEN, CLEAR = 1e-8, 1e6
 """Share of a pole in what it is read or driven by, below which it is hidden, and condition up to which that counts."""
 
@@ -176,7 +176,7 @@ def _refuse_rates(
 def warn_of_lost_digits(system: LinearSystem, request: TransferRequest) -> None:
     """Warn where the state space differs from the response solved along the graph, as with very fast poles."""
     rates = np.abs(np.linalg.eigvals(system.A))
-    rates = rates[rates > 0]
+    rates = rates[rates > FREE * np.median(rates)] if len(rates) else rates
     if not len(rates):
         return
     # Half way, by their ratio, between the slowest and the fastest pole, and beside these.
