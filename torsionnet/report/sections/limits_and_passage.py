@@ -254,6 +254,10 @@ ASSUMED_TIMES = (
     " No rule at hand says how long a passage takes: {quick:g} s, with power to spare, and {slow:g} s, with little, as "
     "when towing or under a fouled hull, are assumed."
 )
+ASSUMED_BESIDES = (
+    " Besides the times that limits ask for, {quick:g} s, with power to spare, and {slow:g} s, with little, are "
+    "assumed."
+)
 GIVEN_TIMES = " The times of the passages are those of the model."
 """Sentences that say where the times of passages come from."""
 
@@ -271,7 +275,8 @@ def passage_section(subject: ReportData) -> Section | None:
             ranges.append(barred)
     of_ranges = [list(_range(subject, barred, number)) for number, barred in enumerate(ranges, 1)]
     blocks = [block for some in of_ranges for block in some]
-    times = GIVEN_TIMES if subject.request.plan.passage else phrase(ASSUMED_TIMES, quick=QUICK, slow=SLOW)
+    assumed = ASSUMED_TIMES if all(barred.seconds_to_pass is None for barred in ranges) else ASSUMED_BESIDES
+    times = GIVEN_TIMES if subject.request.plan.passage else phrase(assumed, quick=QUICK, slow=SLOW)
     lead: list[Block] = [Paragraph((WHAT_IS_COUNTED, times))] if blocks else []
     refused = [_refused(subject, barred) for barred in refused_ranges(judged.checks)[:MOST_ROWS]]
     missing = [_named_range(subject, barred) for barred, some in zip(ranges, of_ranges, strict=True) if not some]
