@@ -199,6 +199,7 @@ class TestThePaper:
             assert written(H) == written(H.nested)
             assert written(H.polynomial) == written(H.polynomial.expression)
         assert sympy.sympify("2") * H == 2 * H.nested == 2 * H
+        assert (-H, H**2) == (-H.nested, H.nested**2)
         assert (1 / H, H - H, H.polynomial * s) == (1 / H.nested, 0, H.polynomial.expression * s)
 
     def test_equation_13_as_printed(self):

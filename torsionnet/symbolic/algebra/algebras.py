@@ -40,6 +40,9 @@ class SympyForm(AttributeHints):
 
     _sympy_: Callable[[], Any]
 
+    def __neg__(self) -> Any:
+        return -self._sympy_()
+
     def _latex(self, printer: Any) -> Any:
         return printer._print(self._sympy_())  # noqa: SLF001  # what sympy asks of such a method
 
@@ -47,6 +50,7 @@ class SympyForm(AttributeHints):
     __add__, __radd__ = _of_expressions(operator.add), _of_expressions(operator.add, reflected=True)
     __sub__, __rsub__ = _of_expressions(operator.sub), _of_expressions(operator.sub, reflected=True)
     __mul__, __rmul__ = _of_expressions(operator.mul), _of_expressions(operator.mul, reflected=True)
+    __pow__ = _of_expressions(operator.pow)
     __truediv__, __rtruediv__ = _of_expressions(operator.truediv), _of_expressions(operator.truediv, reflected=True)
 
 
