@@ -158,7 +158,7 @@ def _of_element(model: Drivetrain, element: Element) -> Iterator[tuple[Inline, s
     for propeller in model.definition.excitations.values():
         if isinstance(propeller, PropellerTorque) and element.kind == propeller.kind and propeller.shaft == node:
             yield phrase("{count} blades", count=propeller.blades), ""
-            yield phrase("{kind} pitch", kind=propeller.pitch), ""
+            yield phrase("fixed pitch") if propeller.pitch == "fixed" else phrase("controllable pitch"), ""
             torque = quantity_text(propeller.torque, "torque")
             # P = M omega at rated speed.
             power = quantity_text(propeller.torque * propeller.rated, "power")
