@@ -345,3 +345,12 @@ def test_free_play_and_contact_stiffness_are_without_bias_by_distance_in_both_ch
     assert errors["gap"].std() < 0.11e-2
     assert abs(errors["gap"].mean()) < 0.04e-2
     assert min(hits.values()) >= 0.85
+
+
+def test_without_friction_nothing_grows_with_speed_and_without_torque_there_is_no_loop():
+    gamma = 0.2 * course(6.01, 200)[0]
+    notes = [str(note) for note in loops(loop_record(500 * gamma, gamma), "T", "gamma").notes]
+    assert len(notes) == 1
+    assert "no loss is seen" in notes[0]
+    with pytest.raises(UsageError, match="unfit-channel"):
+        loops(loop_record(0 * gamma, gamma), "T", "gamma")

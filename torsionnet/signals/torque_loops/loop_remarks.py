@@ -115,7 +115,7 @@ def series_remarks(loops: Sequence[TorqueLoop]) -> list[NoteOrText]:
                     )
                 )
             )
-        elif wide > VISCOUS * loop.friction.value:
+        elif loop.loss.value > (loop.loss.half_width or 0.0) and wide > VISCOUS * loop.friction.value:
             remarks.append(
                 phrase(
                     "the loop is wider in its middle, as by friction that grows with speed: over a sine c = "

@@ -107,6 +107,8 @@ def _loops(
 ) -> Iterator[tuple[TorqueLoop, list[NoteOrText]]]:
     """Loops of a record, each with its remarks."""
     twist = record[angles[0]].values - (record[angles[1]].values if len(angles) > 1 else 0.0)
+    if record[torque].values.min() == record[torque].values.max():
+        raise UsageError(f"{torque} is the same all the time: name the torque of the component", kind="unfit-channel")
     whole = LoopRecord.of(record.time, record[torque].values, twist)
     speeds = None if speed_channel is None else record[speed_channel].values
     for cycles in _runs(twist):
