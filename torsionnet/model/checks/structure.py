@@ -220,10 +220,9 @@ def rigid_body_modes(definition: Definition, kinematics: Kinematics) -> list[Fau
     count -= count_held_motions(kinematics) if count and kinematics.actions else 0
     if not count:
         return []
-    free = "the drivetrain can turn freely: "
-    text = (
-        phrase(f"{free}one rigid-body mode") if count == 1 else phrase(f"{free}{{count}} rigid-body modes", count=count)
-    )
+    text = phrase("the drivetrain can turn freely: {count} rigid-body modes", count=count)
+    if count == 1:
+        text = phrase("the drivetrain can turn freely: one rigid-body mode")
     if closed:
         text = phrase("{motions} while torque presses {laws} together", motions=text, laws=comma_list(closed))
     return [Fault(text, (), "note")]
