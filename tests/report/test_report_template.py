@@ -14,6 +14,7 @@ from support.models import EVERY_ELEMENT
 
 import torsionnet as tn
 from torsionnet.base.phrases import PLACEHOLDER, joined, phrase
+from torsionnet.machinery.excitations.gas_torque import GasPressure
 from torsionnet.machinery.limits.class_rule_shaft import SHAFTS
 from torsionnet.machinery.limits.m68_factors import FEATURES, STRENGTHS
 from torsionnet.machinery.verdicts.margin_rules import PRESETS
@@ -231,6 +232,7 @@ class TestWords:
         words |= {f"{material.replace('_', '-')} steel" for material in STRENGTHS}
         nested = (Viscoelastic, FilmGap, *RUBBER_SHAPES.values())
         words |= {as_words(name).lower() for cls in nested for name, _ in cls.specs()}
+        words |= {f"gas: {as_words(name).lower()}" for name, _ in GasPressure.specs()}
         for text in TEXTS:
             for piece in re.split(r"\{\w+\}|; (?=[a-z])", text.removeprefix("; ")):
                 if (
