@@ -6,7 +6,6 @@ results that sympy takes for their expressions.
 
 from __future__ import annotations
 
-import operator
 import random
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -20,16 +19,6 @@ from torsionnet.base.program import Program, ProgramAlgebra, ProgramNode
 from torsionnet.symbolic.algebra.network import Stiffness
 
 S = sympy.Symbol("s")
-
-
-def _of_expressions(operation: Callable[[Any, Any], Any], *, reflected: bool = False) -> Callable[[Any, Any], Any]:
-    """Operator of objects that calculates with their sympy expressions, and gives one."""
-
-    def result(own: Any, other: Any) -> Any:
-        expression = own._sympy_()  # as sympy asks for it
-        return operation(other, expression) if reflected else operation(expression, other)
-
-    return result
 
 
 class SympyForm(AttributeHints):
@@ -47,11 +36,33 @@ class SympyForm(AttributeHints):
         return printer._print(self._sympy_())  # noqa: SLF001  # what sympy asks of such a method
 
     _pretty = _sympystr = _sympyrepr = _mathml = _latex
-    __add__, __radd__ = _of_expressions(operator.add), _of_expressions(operator.add, reflected=True)
-    __sub__, __rsub__ = _of_expressions(operator.sub), _of_expressions(operator.sub, reflected=True)
-    __mul__, __rmul__ = _of_expressions(operator.mul), _of_expressions(operator.mul, reflected=True)
-    __pow__ = _of_expressions(operator.pow)
-    __truediv__, __rtruediv__ = _of_expressions(operator.truediv), _of_expressions(operator.truediv, reflected=True)
+
+    def __add__(self, other: Any) -> Any:
+        return self._sympy_() + other
+
+    def __radd__(self, other: Any) -> Any:
+        return other + self._sympy_()
+
+    def __sub__(self, other: Any) -> Any:
+        return self._sympy_() - other
+
+    def __rsub__(self, other: Any) -> Any:
+        return other - self._sympy_()
+
+    def __mul__(self, other: Any) -> Any:
+        return self._sympy_() * other
+
+    def __rmul__(self, other: Any) -> Any:
+        return other * self._sympy_()
+
+    def __truediv__(self, other: Any) -> Any:
+        return self._sympy_() / other
+
+    def __rtruediv__(self, other: Any) -> Any:
+        return other / self._sympy_()
+
+    def __pow__(self, other: Any) -> Any:
+        return self._sympy_() ** other
 
 
 @dataclass(frozen=True)
