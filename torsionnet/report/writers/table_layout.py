@@ -41,6 +41,7 @@ BOLD_WIDTH = 1.15
 MOST_UNBROKEN_ROWS = 6
 """Number of rows of a table, titles of groups too, up to which it is not split between two printed pages: with head and
 notes a fifth of a page, which may stay empty. Of longer ones two rows stay together at either end."""
+_WIDE = re.compile("[MW]")
 _BREAKS = re.compile(r"(?<=[=,/_+])|[ \n\t]+")
 
 
@@ -86,7 +87,8 @@ class TableColumn:
         """Least width in letters that the column needs."""
         heading = self.heading
         words = [len(word) for word in visible_text(heading.text).split()]
-        words += [len(heading.unit) + 2] if heading.unit else []
+        # A bold M or W is twice as wide as a digit: units such as MN·m/rad, in brackets, would stand over the edge.
+        words += [len(heading.unit) + 2 + len(_WIDE.findall(heading.unit))] if heading.unit else []
         word = BOLD_WIDTH * max(words, default=0)
         if any(map(is_matrix, self.cells)):
             return min(self.content_letters, MATRIX_LETTERS)
