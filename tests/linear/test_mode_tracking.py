@@ -8,6 +8,7 @@ from support import campaigns
 import torsionnet as tn
 from torsionnet.linear.batch.batch_plan import batch_plan
 from torsionnet.linear.batch.batched_modes import batched_modes, single_modes
+from torsionnet.linear.batch.mode_steps import MISSING_MODE, FollowedModes, assign_modes
 from torsionnet.linear.batch.mode_tracking import track_modes
 
 
@@ -129,6 +130,17 @@ def test_critical_damping_is_passed_both_ways():
     assert back.eigenvalues[3:, 1] == pytest.approx([pair[1] for pair in roots[3:]], rel=1e-9)
     assert np.isnan(back.eigenvalues[:3, 1]).all()
     assert "a real pole has no successor in 3 of 6 variants" in back.notes
+
+
+@pytest.mark.parametrize(
+    ("eigenvalue", "share_of_slower", "goes_on"),
+    [(-15 + 1j, 0.55, [0, MISSING_MODE]), (-15 + 1j, 0.3, [MISSING_MODE, 0]), (-15, 0.55, [MISSING_MODE, 0])],
+)
+def test_only_a_vibration_that_two_real_poles_make_continues_the_slower(eigenvalue, share_of_slower, goes_on):
+    """Its state has more of the faster pole, 0.9 of the energy, so that alone would be followed."""
+    shares = np.sqrt([[share_of_slower], [0.9]])
+    known = FollowedModes(np.array([[-10.0 + 0j, -20]]), np.eye(2, dtype=complex)[None])
+    assert assign_modes(known, FollowedModes(np.array([[eigenvalue + 0j]]), shares[None] + 0j)).tolist() == [goes_on]
 
 
 def damped_chain(source, n):

@@ -193,6 +193,13 @@ def test_a_long_line_is_not_printed_and_a_long_message_is_cut():
     assert len(error.message) < 700
 
 
+def test_a_wrong_speed_hides_no_wrong_torque():
+    _, faults = read_text(BASE + "operating_point:\n  speed: {a: nonsense +}\n  torque: {nowhere: 50}\n", "model.yaml")
+    errors = [(fault.kind, fault.position.line) for fault in faults if fault.severity == "error"]
+    begin = BASE.count("\n") + 2
+    assert errors == [("unreadable-expression", begin), ("unknown-node", begin + 1)]
+
+
 def test_a_key_with_escapes_cannot_reach_the_terminal():
     _, faults = read_text(BASE + '"\\e[31mred": 1\n', "model.yaml")
     assert all("\x1b" not in str(fault) for fault in faults)
