@@ -97,7 +97,7 @@ outputs: $(VENV)/.group-test  ## what every command says of every library model:
 
 reach: MARKED ?= not slow
 reach: $(VENV)/.group-test  ## which functions every quick test calls, in .cache/reach.npz: some minutes, from Python 3.12 on; MARKED="not nightly" for slow ones, too
-	$(RUN) -m pytest -n auto --dist worksteal -m "$(MARKED)" --reach .cache/reach.npz $(ARGS)
+	$(RUN) -m pytest -n auto --dist worksteal -m "$(MARKED)" --reach=.cache/reach.npz $(ARGS)
 	PYTHONPATH=tests $(RUN) -m reach files
 
 test-changed: $(VENV)/.group-test  ## the tests that reach what differs from HEAD; ARGS=COMMIT from another commit
