@@ -447,6 +447,7 @@ def interpolate_float(rows: Rows, at: float) -> float:
     25.0
     """
     keys = [float(row[0].value) for row in rows]
+    # What came out of a division may miss the last row by rounding.
     slack = 1e-9 * keys[-1]
     if not keys[0] - slack <= at <= keys[-1] + slack:
         raise UsageError(f"the table goes from {rows[0][0]} to {rows[-1][0]}", kind="out-of-range")

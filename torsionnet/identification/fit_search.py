@@ -181,4 +181,5 @@ def _influence(loss: str, residuals: FloatArray, scale: float) -> tuple[FloatArr
         return np.where(inside, 1.0, 1 / np.sqrt(np.maximum(squared, 1.0))), inside.astype(float)
     if loss == "soft_l1":
         return (1 + squared) ** -0.5, (1 + squared) ** -1.5
+    # Cauchy's loss, the logarithm of 1 + z^2
     return 1 / (1 + squared), (1 - squared) / (1 + squared) ** 2

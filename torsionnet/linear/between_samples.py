@@ -195,6 +195,7 @@ class Folding:
     def _asymptote(self, far: ComplexArray) -> tuple[FloatArray, tuple[NDArray[Any], ...]]:
         """Constant (n,) of G = c + a/(j omega) + b/(j omega)^2 far up, and the terms of powers of 1/(x + k)."""
         first, second = 2 * np.pi * np.array(ASYMPTOTE_RATES) * self.course.rate
+        # Re G = c - b/omega^2 and Im G = -a/omega at two frequencies far above every pole.
         b = (far[1].real - far[0].real) / (first**-2 - second**-2)
         a = -second * far[1].imag
         c = far[1].real + b / second**2

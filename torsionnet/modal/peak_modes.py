@@ -210,6 +210,7 @@ def _is_asymmetric(peak: PickedPeak) -> bool:
 
 def _halves(zeta: float) -> tuple[float, float]:
     """Distances of the half-power points of a receptance from its peak, over the peak's frequency (below, above)."""
+    # (omega/omega_n)^2 = 1 - 2 zeta^2 at the peak, and +- 2 zeta sqrt(1 - zeta^2) from there half the power.
     top, half = 1 - 2 * zeta**2, 2 * zeta * math.sqrt(1 - zeta**2)
     return 1 - math.sqrt(max(1 - half / top, 0)), math.sqrt(1 + half / top) - 1
 

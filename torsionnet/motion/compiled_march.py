@@ -72,6 +72,7 @@ def moved(z: Any, rest: float, n_q: int, taylor: Any) -> Any:
     terms, at, power = np.dot(taylor, z), z.copy(), 1.0
     for k in range(n_q):
         at[k] += rest * z[n_q + k]
+    # Taylor: rate v + sum of r^(d+1) terms, angle q + r v + sum of r^(d+2)/(d + 2) terms
     for degree in range(DEGREE):
         power *= rest
         first, risen = degree * n_moving, power * rest / (degree + 2)

@@ -196,6 +196,7 @@ class _Between:
 def _lagrange(x: float) -> FloatArray:
     """Weights (4,) of the values at 0, 1, 2 and 3 in the value at x, interpolated by a cubic."""
     return np.array([
+        # l_j(x) = product over m != j of (x - m)/(j - m)
         -(x - 1) * (x - 2) * (x - 3) / 6,
         x * (x - 2) * (x - 3) / 2,
         -x * (x - 1) * (x - 3) / 2,

@@ -188,6 +188,7 @@ def waveform(
     axes.set_xlabel(f"angle of {response.reference} [deg]")
     axes.set_ylabel(axis_label(channel.name, unit))
     axes.xaxis.set_major_locator(MultipleLocator(90 if angle[-1] < 15 else 360))
+    # The last sample stands one step before the end of the cycle.
     axes.set_xlim(0, np.degrees(angle[-1]) * len(angle) / (len(angle) - 1))
     return sheet.titled(f"{response.title}, {response.rpm[at]:.5g} r/min" if title is None else title)
 

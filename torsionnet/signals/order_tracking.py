@@ -277,9 +277,11 @@ def _at(times: FloatArray, recording: Recording, name: str) -> FloatArray:
 
 def _lines(values: FloatArray, starts: NDArray[np.intp], length: int, cycles: FloatArray) -> ComplexArray:
     """Complex peak amplitudes of lines with so many cycles a sample, (n_lines, n_starts), in the values' unit."""
+    # Hann window; twice the line over the sum of its weights is the amplitude, once of the mean.
     weights = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(length) / length)
     scale = np.full(len(cycles), 2 / weights.sum())
     scale[0] /= 2
     lines = (np.fft.rfft(values[begin : begin + length] * weights)[: len(cycles)] for begin in starts)
+    # Phases at the beginning of the record, not of each block.
     turned = np.exp(-2j * np.pi * np.outer(cycles, starts))
     return np.asarray(np.array([line * scale for line in lines]).T * turned)

@@ -111,9 +111,11 @@ class MotionEquation(LawsOnTwist):
         It is the mean over the time of a sample, each side of a reversal in it by itself: there friction turns.
         """
         bend = np.gradient(rate, step)
+        # The rate is taken for linear within a sample: it is zero -rate/bend after the middle, if that is inside.
         with np.errstate(divide="ignore", invalid="ignore"):
             turn = np.where(np.abs(rate) < np.abs(bend) * step / 2, -rate / bend, 0.0)
         share = (step / 2 - HALVES * turn) / (2 * step)
+        # Gauss' points of the parts before and after the reversal.
         at = (turn + HALVES * step / 2) / 2 + GAUSS * step * share
         twists, rates = twist + at * rate + at**2 / 2 * bend, rate + at * bend
 

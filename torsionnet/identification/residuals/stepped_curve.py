@@ -329,6 +329,7 @@ def _inverse(A: ComplexArray, B: ComplexArray, right: ComplexArray) -> ComplexAr
 def _damped(A: ComplexArray, B: ComplexArray, right: ComplexArray, damping: FloatArray) -> ComplexArray:
     # Normal equations of Levenberg and Marquardt: (P + mu) d + Q conj(d) = s.
     P, Q, s = np.abs(A) ** 2 + np.abs(B) ** 2, 2 * A.conj() * B, A.conj() * right + B * right.conj()
+    # With its conjugate two equations for d and conj(d), solved by Cramer's rule.
     P = P * (1 + damping)
     return np.asarray((P * s - Q * s.conj()) / (P**2 - np.abs(Q) ** 2))
 

@@ -200,6 +200,7 @@ def _quotient(outputs: list[list[Any]], measured: list[list[Any]]) -> list[list[
     """
     places = range(len(measured))
     every = (1 << len(measured)) - 1
+    # (M^-1)_kj = (-1)^(k+j) det(M without row j and column k)/det M
     whole = _minors(measured).get(every, in_many_digits(0))
     if not whole:
         return None

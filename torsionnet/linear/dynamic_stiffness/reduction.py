@@ -255,6 +255,7 @@ def _dissipated(system: RowSystem, spaces: Subspaces, damping: FloatArray, force
     """
     acting = damping > 0
     G = np.sqrt(damping[acting])[:, None] * system.rows[acting]
+    # The same Schur complement by projection: C = G^T G, and what Q_1 spans is taken out of G_x.
     Q_1, R_1 = np.linalg.qr(G @ spaces.damped)
     G_x = G @ spaces.moving
     slip = Q_1.T @ G_x
@@ -274,6 +275,7 @@ def _driven(system: RowSystem, spaces: Subspaces, damping: FloatArray, forces: A
     """
     G = system.rows
     signed = damping[:, None] * G
+    # Schur complement: C_xx - C_x1 C_11^-1 C_1x is what is left where the massless motions follow the others.
     C_x = G.T @ (signed @ spaces.moving)
     C_xx, C_1x = spaces.moving.T @ C_x, spaces.damped.T @ C_x
     C_11 = np.asarray(spaces.damped.T @ (G.T @ (signed @ spaces.damped)), dtype=float)

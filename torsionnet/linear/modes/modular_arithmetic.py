@@ -155,6 +155,7 @@ def _divided(a: Coefficients, b: Coefficients, prime: int) -> tuple[Coefficients
     """Quotient and remainder of two polynomials modulo a prime, with ascending coefficients."""
     rest, inverse = list(a), pow(b[-1], -1, prime)
     quotient = [0] * max(len(a) - len(b) + 1, 0)
+    # Long division from the highest power on; dividing is multiplying by the inverse.
     for power in range(len(quotient) - 1, -1, -1):
         factor = quotient[power] = rest[power + len(b) - 1] * inverse % prime
         for i, value in enumerate(b):

@@ -227,6 +227,7 @@ def _phi(matrices: ComplexArray, count: int) -> ComplexArray:
     (Al-Mohy and Higham 2011, theorem 2.1).
     """
     n = matrices.shape[1]
+    # [X I 0; 0 0 I; 0 0 0]: the first row of blocks of its exponential is exp(X), phi_1(X), phi_2(X).
     whole = np.zeros((len(matrices), n * (count + 1), n * (count + 1)), dtype=complex)
     whole[:, :n, :n] = matrices
     for block in range(count):

@@ -243,6 +243,7 @@ def _regression(x: FloatArray, y: FloatArray, weights: FloatArray, degree: int) 
     columns = np.vander(x, degree + 1, increasing=True) * weights[:, None]
     coefficients = np.linalg.lstsq(columns, y * weights, rcond=None)[0]
     left = y * weights - columns @ coefficients
+    # Least squares: covariance s^2 (X^T X)^-1 with s^2 of what is left over its degrees of freedom
     variance = float(left @ left) / max(len(x) - degree - 1, 1)
     return np.asarray(coefficients), np.asarray(np.linalg.inv(columns.T @ columns) * variance)
 

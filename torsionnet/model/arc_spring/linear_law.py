@@ -68,6 +68,7 @@ def _tangent(given: Sequence[Any]) -> tuple[Any, Any]:
     for place, entry in enumerate(given):
         if isinstance(entry, int | float | Fraction):
             continue
+        # Difference quotient over a step to each side, one-sided where the value would change its sign.
         step = STEP * (abs(at[place]) or 1.0)
         below = at[place] - step if place == SIGNED or at[place] > step else at[place]
         low, high = (_stiffness([*at[:place], x, *at[place + 1 :]]) for x in (below, at[place] + step))

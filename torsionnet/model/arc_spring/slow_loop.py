@@ -237,6 +237,7 @@ class _Branch:
     def area(self, x: float) -> float:
         """Integral of u from the reversal to x, in w on the bent part: dx = 2 u_r w dw/(k e)."""
         w, rest = math.sqrt(self.rate * min(x, self.corner) / self.start), max(x - self.corner, 0.0)
+        # u = u_r (1 + s w)^2 there, s = +-1: the integral of (1 + 2 s w + w^2) w dw.
         bent = 2 * self.start**2 / self.rate * (w**2 / 2 + self.sign * 2 * w**3 / 3 + w**4 / 4)
         return bent + rest * (self.start * (1 + self.sign * w) ** 2 + self.slope * rest / 2)
 

@@ -213,6 +213,7 @@ class ShearedDisc(ShearedShape):
 
     @property
     def factor(self) -> float:
+        # Disc between faces that turn against each other: k/G = pi (r_o^4 - r_i^4)/(2 t)
         radii = (self.outer_diameter / 2) ** 4 - (self.inner_diameter / 2) ** 4
         return float(math.pi * radii / (2 * self.thickness))
 
@@ -230,6 +231,7 @@ class ShearedBush(ShearedShape):
 
     @property
     def factor(self) -> float:
+        # Sleeve between two cylinders: k/G = 4 pi L/(1/r_i^2 - 1/r_o^2)
         gap = (2 / self.inner_diameter) ** 2 - (2 / self.outer_diameter) ** 2
         return float(4 * math.pi * self.length / gap)
 

@@ -75,6 +75,7 @@ class Shaft(Element):
 
     def own_parts(self, value: Values) -> tuple[Part, ...]:
         n = value(scalar(self.segments))
+        # k = G I_p/L and J = rho I_p L with the polar moment I_p of a ring
         polar = value.algebra.pi * (value(self.outer_diameter) ** 4 - value(self.inner_diameter) ** 4) / 32
         stiffness = value(self.shear_modulus) * polar / value(self.length)
         inertia = value(self.density) * polar * value(self.length) / n

@@ -102,6 +102,7 @@ def stiffness_over(
 def slider_stiffness_over(stiffness: float, torque: float, amplitude: FloatArray) -> NDArray[np.complex128]:
     """Complex stiffness (n,) in N m/rad of friction behind a spring, see :func:`slider_describing_function`."""
     ratio = np.minimum(torque / stiffness / np.maximum(amplitude, np.finfo(float).tiny), 1.0)
+    # The spring twists by 2 T/k from a reversal on before it slips: that part of the swing is cos(phi) > 1 - 2 T/(k a).
     turned = np.arccos(1 - 2 * ratio)
     elastic = stiffness * (turned - np.sin(2 * turned) / 2) / np.pi
     return np.asarray(elastic + 4j * stiffness * ratio * (1 - ratio) / np.pi)
@@ -115,6 +116,7 @@ def _pushes_only(curve: PieceCurve) -> bool:
 def _of_cubic(curve: CubicCurve, a: Any, m: Any) -> tuple[Any, Any]:
     """Mean torque and stiffness of k (m + a cos) + k_3 (m + a cos)^3 by the formulas of powers of the cosine."""
     k, third = float(curve.stiffness), float(curve.cubic)
+    # cos^2 has the mean 1/2, cos^3 the first harmonic 3/4.
     return k * m + third * (m**3 + 1.5 * m * a**2), k + third * (0.75 * a**2 + 3 * m**2)
 
 
@@ -179,6 +181,7 @@ def _of_contact(piece: Slope, a: Any, m: Any, omega: Any) -> tuple[Any, Any]:
 
 
 def _by_quadrature(curve: TorqueCurve, a: float, m: float, omega: float) -> Describing:
+    # Midpoints: neither reversal, where the rate has no sign, is among them.
     phases = 2 * np.pi * (np.arange(QUADRATURE) + 0.5) / QUADRATURE
     pairs = zip((m + a * np.cos(phases)).tolist(), (-a * omega * np.sin(phases)).tolist(), strict=True)
     torques = np.array([float(curve.torque(twist, rate)) for twist, rate in pairs])

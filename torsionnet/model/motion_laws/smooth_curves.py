@@ -184,6 +184,7 @@ class CubicCurve(TorqueCurve):
         """Root of the torque near a twist in rad, by two steps of Newton's method from the roots of the polynomial."""
         k, third = float(self.stiffness), float(self.cubic)
         for _ in range(2):
+            # of T = k x + k_3 x^3
             slope = k + 3 * third * twist**2
             if slope:
                 twist -= (k * twist + third * twist**3 - torque) / slope
@@ -238,6 +239,7 @@ class KlossCurve(TorqueCurve):
     def slope(self, slip: Any) -> Any:
         """Slope of the torque over the speed in N m s/rad at a slip."""
         breakdown = self.breakdown_slip
+        # dT/ds over omega_s of Kloss' formula, T = 2 T_b s_b s/(s^2 + s_b^2)
         size = 2 * self.breakdown_torque / self.synchronous_speed
         return size * breakdown * (breakdown**2 - slip**2) / (slip**2 + breakdown**2) ** 2
 
@@ -330,6 +332,7 @@ class LoadAngleCurve(TorqueCurve):
     def _refined(angle: float, field: float, saliency: float, wanted: float) -> float:
         """Root of the torque near an electrical angle in rad, by two steps of Newton's method."""
         for _ in range(2):
+            # of T = T_f sin(delta) + T_s sin(2 delta)
             slope = field * math.cos(angle) + 2 * saliency * math.cos(2 * angle)
             if abs(slope) > ON_CIRCLE * (field + abs(saliency)):
                 angle -= (field * math.sin(angle) + saliency * math.sin(2 * angle) - wanted) / slope

@@ -343,6 +343,7 @@ class ContactMarch:
         stretches = zip(passage.stretches, self._stretches_read(passage, readings, points), strict=True)
         for stretch, values in stretches:
             times = stretch.time + np.linspace(0.0, stretch.length, len(values))
+            # Simpson's weights, h/3 times 1, 4, 2, 4 and so on to 4, 1
             weights = np.full(len(values), stretch.length / (3 * (len(values) - 1)))
             weights[1:-1:2] *= 4
             weights[2:-1:2] *= 2

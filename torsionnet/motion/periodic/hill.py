@@ -70,10 +70,12 @@ class HillDeterminant:
         logs = _log_det(D)
         if whole:
             logs = logs - _log_det(self._passive(s + SHIFTED * self.omega))
+        # Twists of the laws by their torques, G = R D^-1 R^T at lambda + j k omega.
         G = plant.rows @ np.linalg.solve(D, np.broadcast_to(plant.rows.T, (len(s), *plant.rows.T.shape)))
         n, count = len(plant.laws), len(s)
         matrix = np.zeros((n, count, n, count), dtype=complex)
         for m, (own, rate) in enumerate(self.slopes):
+            # Hill's matrix I + G (S - k_ref): S couples harmonics as a Toeplitz matrix, and D has k_ref already.
             tau = own - plant.references[m] * np.eye(count)
             if rate is not None:
                 tau = tau + rate * s
@@ -97,6 +99,7 @@ class HillDeterminant:
         edge = SHIFT * self.omega / (2 * math.pi)
         places = (edge + 1j * np.linspace(0.0, 0.5, LOOKS + 1) * self.omega).tolist()
         values = [self.log(place) for place in places]
+        # Argument principle: the angle of h along the edge of half the strip counts the zeros beyond, conjugates once.
         turned = sum(
             self._turn_between(before, other, DEEPEST)
             for before, other in zip(zip(places, values), zip(places[1:], values[1:]))  # noqa: B905

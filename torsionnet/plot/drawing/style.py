@@ -324,6 +324,7 @@ def phase_ticks(axes: Axes, low: float, high: float) -> None:
     """Set ticks of a phase axis at multiples of 45, 90 or 180 degrees, and its limits at such multiples."""
     span = high - low
     step = 45 if span <= FEW_PHASES else 90 if span <= MANY_PHASES else 180
+    # A phase that is a multiple but for rounding needs no further tick.
     bottom, top = step * math.floor(low / step + 1e-6), step * math.ceil(high / step - 1e-6)
     if bottom == top:
         bottom, top = bottom - step, top + step

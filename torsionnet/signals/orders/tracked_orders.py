@@ -90,6 +90,7 @@ UNKNOWN_TRACKING = TrackingKernel()
 def _filter_weights(poles: int) -> tuple[FloatArray, FloatArray]:
     """Times over the inverse bandwidth, and weights of the filter 1/(1 + (sqrt 2 - 1) (2 f/bandwidth)^(2 poles))."""
     f = np.linspace(0, HIGHEST, FINEST * 4)
+    # 3 dB down at f = bandwidth/2; the weights are its inverse Fourier transform, an even one.
     transmitted = 1 / (1 + (np.sqrt(2) - 1) * (2 * f) ** (2 * poles))
     at = np.linspace(0, REACH, FINEST // 10)
     return at, np.asarray(np.trapezoid(transmitted * np.cos(2 * np.pi * np.outer(at, f)), f, axis=1))

@@ -119,6 +119,7 @@ def _extreme_interval(low: FloatArray, high: FloatArray, interval: float, way: i
             return interval
         if (below - above) * way <= 0:
             return None
+        # The slope of the room over the interval is below - above, the numbers of its two bounds.
         step = -room / (below - above)
         interval = interval + step if interval + step != interval else float(np.nextafter(interval, np.inf * way))
     return None

@@ -53,6 +53,7 @@ def _harmonics(record: LoopRecord, cycles: Sequence[Cycle]) -> tuple[FloatArray,
     omega = 2 * np.pi * len(cycles) / (bounds[-1] - bounds[0])
     angle = omega * (record.time[places] - bounds[0])
     columns = [part(n * angle) for n in range(1, HARMONICS + 1) for part in (np.cos, np.sin)]
+    # The second derivative of sin(n omega t) is -(n omega)^2 sin(n omega t).
     square = [-((n * omega) ** 2) for n in range(1, HARMONICS + 1) for _ in range(2)]
     matrix = np.stack([np.ones_like(angle), *columns], axis=1)
     return matrix, matrix * np.r_[0.0, square]

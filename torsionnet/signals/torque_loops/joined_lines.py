@@ -225,6 +225,7 @@ def joined_lines(samples: LoopSamples, cycles: int) -> tuple[JoinedLines, bool]:
             break
         lines, fewer = fitted(longer, seen)
         counts = np.bincount(lines.piece(seen.twist), minlength=len(lines.slopes))
+        # F = (squares saved/numbers more)/(squares left/degrees of freedom)
         more, freedom = 3 * (len(lines.breaks) - len(kept.breaks)), len(seen.twist) - len(lines.numbers())
         passed = bool(
             counts.min() >= shortest
