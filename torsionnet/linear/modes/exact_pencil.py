@@ -286,7 +286,7 @@ class DelayedSum:
         """Derivative of the delayed part by the Laplace variable s, at s in rad/s."""
         total = 0j
         for power, value in self.terms:
-            # d/ds of s^p e^(-s tau); over s^r stands what e^(-s tau) has behind its first r terms, (-tau)^r phi_r(-s tau).
+            # d/ds of s^p e^(-s tau); over s^r stands what follows r terms of e^(-s tau), (-tau)^r phi_r(-s tau).
             slope = -self.delay * _phi(0, -s * self.delay) * s**power if power >= 0 else 0j
             if power > 0:
                 slope += power * s ** (power - 1) * _phi(0, -s * self.delay)
