@@ -216,6 +216,7 @@ def _far_sum(power: int, x: FloatArray, last: int) -> FloatArray:
     """Sum of 1/(x + k)^power over all whole k beyond ``last`` on either side, (n,)."""
     from scipy.special import psi, zeta
 
+    # Sums to infinity of 1/(k + x)^n are Hurwitz' zeta; of 1/(k + x) - 1/(k - x) two digammas.
     up, down = last + 1 + x, last + 1 - x
     if power == 1:
         return np.asarray(psi(down) - psi(up))

@@ -258,6 +258,7 @@ def _groups_of_cycles(angle: FloatArray, sampling_rate: float) -> list[tuple[int
 def _alike(cycle: tuple[int, int, float], group: Sequence[tuple[int, int, float]]) -> bool:
     # A transient fades, so that a cycle is like the one before rather than like the first.
     a, b, swing = group[-1]
+    # A reversal is known to a sample at either end.
     period = (group[-1][1] - group[0][0]) / len(group)
     return abs(cycle[2] / swing - 1) <= SAME_SWING and abs((cycle[1] - cycle[0]) / period - 1) <= SAME_PERIOD + 2 / (
         b - a

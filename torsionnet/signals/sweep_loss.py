@@ -63,6 +63,7 @@ def swept_amplitude(offset: FloatArray, sweep: float) -> ComplexArray:
     >>> np.abs(swept_amplitude(np.array([0.0, 1.0]), 1e-4)).round(3).tolist()
     [1.0, 0.707]
     """
+    # Integral of exp(-(1 + j p s) r + j p r^2/2) dr from 0 on, with the square completed.
     root = math.sqrt(sweep / 2) * np.exp(-0.25j * math.pi)
     return np.asarray(math.sqrt(math.pi) / (2 * root) * scipy.special.wofz(1j * (1 + 1j * offset) / (2 * root)))
 

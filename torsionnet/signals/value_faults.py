@@ -51,6 +51,7 @@ def _is_clipped(values: FloatArray, first: int, last: int) -> bool:
     length = last - first + 1
     if first == 0 or last == len(values) - 1:
         return False
+    # Next to a clipped top the signal does not rest: runs beside it are short.
     span = int(length / CLIPPED_RUN_RATIO) + 1
     before, after = values[max(0, first - span) : first][::-1], values[last + 1 : last + 1 + span]
     return length > CLIPPED_RUN_RATIO * max(_run(before), _run(after), 1)

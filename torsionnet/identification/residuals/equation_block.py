@@ -233,6 +233,7 @@ class EquationBlock(MeasurementBlock):
         """Torque (n_b,) in N m by which the equation is missed."""
         numbers, motion, extra = values[: len(self.response.names)].tolist(), self.motion, self._channel(values)
         rest = self.equation.rest(numbers)
+        # A channel that is late by tau shows x(t - tau): what it stands for is x + tau x', over its gain.
         late, p = extra.get("delay", 0.0), extra.get("gain", 1.0) * rest.output
         twist, rate = (self._followed + late * motion.rate) / p, (motion.rate + late * motion.bend) / p
         laws = self.equation.torque(numbers, twist, rate, motion.step)

@@ -120,6 +120,7 @@ def stiffness_by_harmonics(
         twists = np.column_stack([amplitudes, of])
         twist = means[:, None] + (twists @ turns).real
         rate = omega[:, None] * ((1j * orders * twists) @ turns).real
+        # Harmonics in, course over a period, torque over it, and harmonics out again: 2/N sum T exp(-j n phi).
         torque = sum(torque_over_time(*law, twist, rate, _steady_slider) for law in laws)
         return np.asarray(2 / PHASES * torque @ turns.conj().T)
 

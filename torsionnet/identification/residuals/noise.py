@@ -212,6 +212,7 @@ def _smeared(overlap: ComplexArray, lines: ComplexArray) -> ComplexArray:
 
 def _squares(overlap: ComplexArray, weight: FloatArray) -> FloatArray:
     """Sum of the squared covariances between windows, weighted on both sides, for each line, (n_b,)."""
+    # Sum over pairs i, j of w_i^2 |c_(i-j)|^2 w_j^2, each pair of a lag twice.
     total = np.abs(overlap[0]) ** 2 * (weight**2).sum(axis=0)
     for lag in range(1, min(len(overlap), len(weight))):
         total = total + 2 * np.abs(overlap[lag]) ** 2 * (weight[lag:] * weight[:-lag]).sum(axis=0)

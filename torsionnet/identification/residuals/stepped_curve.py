@@ -233,6 +233,7 @@ class SteppedCurve(LawsOnTwist):
 
         tau grows by (K - k_0) d + K' gamma Re(conj(gamma) d)/|gamma|.
         """
+        # Re(conj(gamma) d) is half of conj(gamma) d and its conjugate: one part stands with d, the other with conj(d).
         size = np.maximum(np.abs(gamma), np.finfo(float).tiny)
         return (
             1 + beside.by_torque * (K - self.spring + rises * size / 2),

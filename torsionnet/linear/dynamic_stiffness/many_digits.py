@@ -218,6 +218,7 @@ def _minors(rows: Sequence[Sequence[Any]]) -> dict[int, Any]:
 
     Those missing are 0.
     """
+    # Laplace's expansion row by row: the sign is that of the columns already chosen behind the new one.
     minors = {0: in_many_digits(1)}
     for row in rows:
         terms: dict[int, list[Any]] = {}

@@ -170,12 +170,14 @@ def subspaces(system: RowSystem, stiff: NDArray[np.bool_], damped: NDArray[np.bo
     """
     heavy = system.inertia > 0
     require_resistance(system, heavy | stiff | damped)
+    # Massless motions twist no row with inertia; those held move none with a damper either, only springs.
     massless, held = (unresisted_motions(system, laws).basis() for laws in (heavy, heavy | damped))
     unsprung = unresisted_motions(system, stiff)
     rigid = echelon_basis(unsprung.basis())
     undamped_rigid = unresisted_within(unsprung, system, damped).basis()
     scaled = np.sqrt(system.inertia[heavy])[:, None] * system.rows[heavy]
     moving = _mass_basis(scaled, system.n_coordinates - massless.shape[1])
+    # Free turning that nothing damps has no part in the vibrations: its share, seen by the inertia, is taken out.
     deflated = (scaled @ moving).T @ (scaled @ undamped_rigid)
     if undamped_rigid.shape[1]:
         moving = np.asarray(moving @ orthogonal_complement(deflated, moving.shape[1]), dtype=float)
@@ -303,6 +305,7 @@ def _recover(spaces: Subspaces, E: AnyArray, E_2: AnyArray, slip: AnyArray) -> A
     n_x = spaces.moving.shape[1]
     moving = np.hstack([spaces.moving, np.zeros((len(spaces.moving), slip.shape[1] - n_x))])
     known = moving + spaces.damped @ slip
+    # The held motions follow so that the springs take no torque along them: least squares of E v.
     if not E_2.shape[1]:
         return np.asarray(known)
     if np.isrealobj(E):

@@ -49,6 +49,7 @@ def blocks(A: FloatArray, B: FloatArray, C: FloatArray) -> list[DiagonalBlock]:
     inputs, outputs = Q.conj().T @ (B / scale[:, None]), (C * scale) @ Q
     rest = slice(0, resting), slice(resting, None)
     if 0 < resting < len(A):
+        # [I X; 0 I] with T_00 X - X T_11 = -T_01 takes the coupling of poles at rest and the others away.
         across = scipy.linalg.solve_sylvester(T[rest[0], rest[0]], -T[rest[1], rest[1]], -T[rest[0], rest[1]])
         inputs[rest[0]] -= across @ inputs[rest[1]]
         outputs[:, rest[1]] += outputs[:, rest[0]] @ across

@@ -221,6 +221,7 @@ def _is_crossed(system: RowSystem, size: float, shape: ComplexArray) -> bool:
     """
     kappa, rate, _ = DampedSystem(system).stiffness(complex(-size), 1.0)
     twist = np.abs(system.rows @ shape) ** 2
+    # Change of x^T D x by the size of the pole, over the terms that make it up.
     drag = system.damping * size
     changed = abs(rate @ (system.rows @ shape) ** 2) * size
     return bool(changed > LEAST_CHANGE * (np.abs(kappa) + np.abs(drag)) @ twist)
@@ -251,6 +252,7 @@ def _crossing(system: RowSystem, low: float, high: float, wanted: float, *, risi
 def _real_vector(system: RowSystem, size: float) -> FloatArray:
     kappa, rows = _on_axis(system, np.array([size]))[:, 0], system.rows
     D = rows.T @ (kappa[:, None] * rows)
+    # The null vector of D(s), found with rows and columns of one size.
     scale = 1 / np.sqrt(np.abs(rows.T**2 @ np.abs(kappa)) + 1e-300)
     values, vectors = np.linalg.eigh(scale[:, None] * D * scale)
     shape = scale * vectors[:, np.argmin(np.abs(values))]

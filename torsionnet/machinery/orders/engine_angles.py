@@ -255,6 +255,7 @@ def _newton(
 def _summed(rates: FloatArray, amplitudes: ComplexArray, angle: FloatArray) -> Sum:
     """Re sum X exp(j r angle) with its derivatives to the angle in rad, each (n_speeds, n_out), in the unit of X."""
     rate = rates[:, None]
+    # X exp(j r phi) = (a + j b)(cos + j sin); each derivative brings j r.
     turned = rate * angle[:, None, :]
     cosine, sine = np.cos(turned), np.sin(turned)
     real = amplitudes.real * cosine - amplitudes.imag * sine

@@ -198,6 +198,7 @@ class _Section:
 
     def halves(self) -> tuple[_Section, _Section]:
         middle, half = (self.first + self.last) / 2, self.duration / 2
+        # The speed is linear in a section: the angle grows by the mean speed times the time.
         angle = self.angle + half * (self.first + middle) / 2
         return (
             replace(self, duration=half, last=middle, steps=self.steps // 2),

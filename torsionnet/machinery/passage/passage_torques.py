@@ -152,6 +152,7 @@ class SectionTorques:
         """Complex torques (n_inputs, n_lines) in N m at an instant, and frequencies (n_lines,) in rad/s."""
         share = (speed - self.low) / ((self.high - self.low) or 1.0)
         amplitudes = np.tensordot(share ** np.arange(len(self.powers)), self.powers, axes=1)
+        # A line of order nu and frequency omega turns with nu phi + omega t.
         turning = np.exp(1j * (self.relative * angle + self.fixed * time))
         return amplitudes.T * turning, self.relative * speed + self.fixed
 

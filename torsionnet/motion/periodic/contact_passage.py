@@ -368,6 +368,7 @@ class ContactMarch:
 def _tops(values: FloatArray) -> FloatArray:
     """Highest values (n_out,) of courses (n, n_out): at an end, or the top of the parabola through three points."""
     places, columns = values.argmax(axis=0), np.arange(values.shape[1])
+    # Parabola through three points: the top is (y_+ - y_-)^2/(8 (2 y_0 - y_- - y_+)) above the middle one.
     inner = np.clip(places, 1, len(values) - 2)
     before, here, after = (values[inner + step, columns] for step in (-1, 0, 1))
     bend = before - 2 * here + after

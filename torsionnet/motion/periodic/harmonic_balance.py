@@ -197,6 +197,7 @@ def balance_of(
     count = min(len(loads), harmonics + 1)
     amplitudes[:count] = loads[:count]
     powers = receptances.s[:, None] ** np.array([force.power for force in forces])
+    # Twists x = R D^-1 (B u - R^T tau), of laws over the rate with s before them.
     driven = powers * (plant.rows @ receptances.driven @ amplitudes[:, :, None])[:, :, 0]
     own = powers[:, :, None] * (plant.rows @ receptances.own)
     return HarmonicBalance(forces, own, driven, omega, plant.references, plant.turning * speed)

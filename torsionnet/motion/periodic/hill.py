@@ -90,6 +90,7 @@ class HillDeterminant:
         system = plant.placed.linear
         parts = (np.maximum(part, 0.0) for part in (system.inertia, system.damping, system.stiffness))
         inertia, damping, stiffness = parts
+        # Each row adds a^T (J s^2 + c s + k) a; negative parts are left out, so that it has no zero to the right.
         kappa = inertia * s[:, None] ** 2 + damping * s[:, None] + stiffness
         references = plant.rows.T @ (plant.references[:, None] * plant.rows)
         return np.asarray(system.rows.T @ (kappa[:, :, None] * system.rows) + references)

@@ -148,6 +148,7 @@ class PeriodicProblem:
         further = self.plant.receptances(balance.omega, range(H + 1, 2 * H + 1))
         more = np.stack([harmonics_of(answer.torque, 2 * H)[H + 1 :] for answer in answers], axis=1)
         behind = np.array([force.yielding if force.behind_spring else 0.0 for force in self.forces])
+        # What the torques of harmonics H + 1 to 2 H would twist, as a share of the swing: how far the series is cut.
         moved = np.abs(np.einsum("kli,ki->kl", self.plant.rows @ further.own, more) - more * behind).sum(axis=0)
         swing = np.array([np.ptp(over_time(own, samples(H))) for own in self._angles(x, torques, balance.omega).T])
         left = float((moved / np.where(swing > 0, swing, 1.0)).max(initial=0.0))
@@ -209,6 +210,7 @@ class PeriodicProblem:
         spread[:: self.subharmonics] = loads
         u = fitted(spread, motion.harmonics)
         yielding = np.array([force.yielding for force in self.forces])
+        # The receptances hold the springs k_ref in place of the laws: the laws add what exceeds k_ref x.
         tau = motion.torques * (1 + self.plant.references * yielding) - self.plant.references * motion.x
         q = np.einsum("kin,kn->ki", receptances.driven, u) - np.einsum("kil,kl->ki", receptances.own, tau)
         return q, u

@@ -82,6 +82,7 @@ def consistent(scores: ComplexArray | FloatArray, fitted: int = 0) -> bool:
     (True, False)
     """
     per_point = 2 if np.iscomplexobj(scores) else 1
+    # Sum of squares over its degrees of freedom against chi-square: only independent points count.
     degrees = max(1.0, per_point * independent_points(scores) - fitted)
     left = max(1.0, per_point * len(scores) - fitted)
     mean = float((np.abs(scores) ** 2).sum()) / left

@@ -289,6 +289,7 @@ class _Residual:
 def _kept_of_noise(poles: int) -> float:
     """Share of white noise around an order that the residual keeps, over the band of one interval between knots."""
     place = np.linspace(0, COEFFICIENTS_PER_BANDWIDTH, 2001)[1:]
+    # The residual has 1 - H of the noise: its power is the mean of (1 - H)^2.
     response = 1 / (1 + (np.sqrt(2) - 1) * place ** (2.0 * poles))
     return float(((1 - response) ** 2).mean())
 

@@ -248,6 +248,7 @@ def _odd_degree(count: int) -> int:
 
 def _integrals(spline: Any, ends: FloatArray, angles: FloatArray) -> FloatArray:
     """Integral of spline - angle at the begin over each interval, exact for its degree."""
+    # Three points of Gauss are exact up to degree five.
     places, weights = np.polynomial.legendre.leggauss(3)
     half, middle = np.diff(ends) / 2, (ends[1:] + ends[:-1]) / 2
     values = spline(middle[:, None] + half[:, None] * places) - angles[:-1, None]

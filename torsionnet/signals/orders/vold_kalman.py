@@ -273,5 +273,6 @@ class EnvelopeFilter:
 def _smooth(values: FloatArray, reach: int) -> FloatArray:
     """Mean over the neighbours on both sides, along the first axis."""
     padded = np.pad(values, ((reach, reach), (0, 0)), mode="reflect" if len(values) > reach else "edge")
+    # Moving mean as the difference of two running sums.
     sums = np.cumsum(np.concatenate([np.zeros((1, values.shape[1])), padded]), axis=0)
     return np.asarray((sums[2 * reach + 1 :] - sums[: -2 * reach - 1]) / (2 * reach + 1))

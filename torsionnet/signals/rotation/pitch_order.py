@@ -202,6 +202,7 @@ def constant_part(
 
 def _fit(terms: ComplexArray, values: ComplexArray, weights: FloatArray) -> tuple[ComplexArray, float, int]:
     """Factors of the terms, the variance of a single complex value about them, and its degrees of freedom."""
+    # Weighted least squares: rows times sqrt(w); variance = sum w r^2 over the degrees of freedom.
     root = np.sqrt(weights)
     factors = np.linalg.lstsq(terms * root[:, None], values * root, rcond=None)[0]
     freedom = len(values) - terms.shape[1]
@@ -414,6 +415,7 @@ class PitchEvidence:
 
     def _shapes(self, relative: float) -> ComplexArray:
         """Vibration under a torque that does not change with speed: of a rigid shaft, and near each pole."""
+        # Torque of one size: a rigid shaft answers with 1/omega^2, a mode with 1/((p - j omega)(p* - j omega)).
         frequency = relative * self.speeds
         rigid = [(self.speeds.max() / self.speeds) ** 2 + 0j]
         near = [1 / ((pole - 1j * frequency) * (pole.conjugate() - 1j * frequency)) for pole in self.poles]

@@ -65,6 +65,7 @@ class Cycle:
         if lengths[1] > AS_LONG * lengths[0]:
             return False
         largest = ALIKE * max(self.swing, other.swing)
+        # A drift moves the lower reversal within a cycle: the mean of begin and end counts.
         lows = abs((self.low + self.end) / 2 - (other.low + other.end) / 2)
         return max(abs(self.high - other.high), lows, abs(self.low - self.end)) <= largest
 

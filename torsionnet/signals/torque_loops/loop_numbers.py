@@ -189,6 +189,7 @@ def flat_piece(each: Sequence[JoinedLines]) -> int | None:
     slopes = np.array([joined.slopes for joined in each])
     mean, doubt = slopes.mean(axis=0), np.zeros(slopes.shape[1])
     if len(each) > 1:
+        # 95 % interval of the mean slope: Student's quantile times the standard deviation over sqrt(n).
         doubt = student_quantile(len(each) - 1) * slopes.std(axis=0, ddof=1) / np.sqrt(len(each))
     for piece in range(1, len(mean) - 1):
         free = FREE * min(mean[piece - 1], mean[piece + 1])

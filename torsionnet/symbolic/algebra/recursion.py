@@ -228,6 +228,7 @@ class Bundle:
         """
         total, top, child = self.program.leaf(0), self.block.top, self._child
         for (i, first), (j, second) in combinations(enumerate(self.block.members), 2):
+            # Binet and Cauchy: det of a sum of k a a^T is the sum over pairs of k_i k_j det([a_i a_j])^2.
             across = first.row[top] * second.row[child] - second.row[top] * first.row[child]
             if not vanishes(across):
                 both = first.law.above * second.law.above * self._below(i, j)
