@@ -106,7 +106,7 @@ class Trials:
             return Outcome(mutant, "undecided", "no test reaches it")
         places = np.diff(self.reach.bounds)[numbers]
         numbers = numbers[np.argsort(self.reach.seconds[numbers] + OF_PLACE * places, kind="stable")]
-        within = np.cumsum(self.reach.seconds[numbers]) <= self.most
+        within = np.cumsum(self._costs(numbers)) <= self.most
         copy = self._copies.get()
         try:
             with self._wrong(copy, mutant):
@@ -119,14 +119,17 @@ class Trials:
             return Outcome(mutant, "survived")
         return Outcome(mutant, "undecided", f"{np.sum(~within)} of {numbers.size} tests had no time")
 
+    def _costs(self, numbers: np.ndarray) -> np.ndarray:
+        """CPU seconds of tests, of the first of a file with those of collecting it."""
+        files = [self.reach.tests[number].partition("::")[0] for number in numbers]
+        _, firsts = np.unique(files, return_index=True)
+        return np.asarray(self.reach.seconds[numbers] + OF_FILE * np.isin(np.arange(numbers.size), firsts))
+
     def _batches(self, numbers: np.ndarray) -> Iterator[np.ndarray]:
         """Tests for one process after another, by their time and that of collecting their files."""
-        files, begin, spent, limits = set[str](), 0, 0.0, iter(BATCHES)
+        begin, limits = 0, iter(BATCHES)
         limit = next(limits)
-        for place, number in enumerate(numbers):
-            file = self.reach.tests[number].partition("::")[0]
-            spent += float(self.reach.seconds[number]) + (OF_FILE if file not in files else 0.0)
-            files.add(file)
+        for place, spent in enumerate(np.cumsum(self._costs(numbers))):
             if spent > limit and place > begin:
                 yield numbers[begin:place]
                 begin, limit = place, next(limits)
