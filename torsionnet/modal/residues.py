@@ -77,6 +77,7 @@ def expand(lines: Lines, poles: ComplexArray, settings: Settings, rows: ComplexA
                     lines, o, [i], poles, np.ones((len(poles), 1), dtype=complex), settings
                 )
         else:
+            # Residues of rank one: shape of the outputs times participation of the inputs.
             scaled = rows / np.abs(rows).max(axis=1, keepdims=True)
             shape, ends[:, o] = _residues_of_output(lines, o, list(range(inputs)), poles, scaled, settings)
             residues[:, o] = shape[:, None] * scaled

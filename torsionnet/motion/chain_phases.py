@@ -87,6 +87,7 @@ class ChainCourse:
             torque, reached = line.torques[place : place + 2].tolist()
             if abs(end - start) <= SHORTEST:
                 continue
+            # Straight between the twists at which a further coil begins to move; each piece ends where the next begins.
             stiffness = (reached - torque) / (end - start)
             self.ahead.append(
                 ChainPhase(

@@ -171,6 +171,7 @@ def motion_equation(
     value, sizes = Values(dict(rig.exact_values), FLOAT), (*motion[:1], 0.0, 2 * np.pi * motion[1])
     at = tuple(np.array([size]) for size in sizes)
     each = [stiffness_over_twists(*laws_of(rig.definition.elements[name], value), *at)[0] for name in elements]
+    # A spring of the size of the laws stands in their place: responses beside it are those of a plant that holds.
     spring = float(np.abs(sum(each))) or 1.0
     linear_rig, held = linear_beside(varied, rig, elements, row, spring)
     outputs, driving = channels_beside(rig, output, into or next(iter(held)), excitation, elements[0])

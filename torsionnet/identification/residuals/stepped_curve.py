@@ -212,6 +212,7 @@ class SteppedCurve(LawsOnTwist):
         missed = self._missed(numbers, beside, gamma)
         for _ in range(MOST_STEPS):
             size = np.abs(gamma)
+            # Levenberg and Marquardt, with a damping for each frequency: less after a better step, more after a worse.
             slopes = self._linear_change(beside, self._stiffness(numbers, size), self._rise(numbers, size), gamma)
             step = _damped(*slopes, missed, damping)
             following = self._missed(numbers, beside, gamma - step)

@@ -276,6 +276,7 @@ class _Companion:
         """Eigenvalues in rad/s next to sigma and their vectors x outside the known ones, conjugates included."""
         from scipy.sparse.linalg import eigs
 
+        # Vectors known already are taken out by the pencil's own form: B-orthogonal, x - X (X^T B X)^-1 X^T B x.
         left = self.form(self.known)
         gram = left.T @ self.known
 

@@ -121,6 +121,7 @@ def swept_modes(
     fit = fit_run_up(windows, excitation, derivative, modes, background)
     factor = _student(fit.degrees)
     errors = factor * np.sqrt(np.diag(fit.covariance)).reshape(2, -1)
+    # Of a pole p: natural frequency |p|/(2 pi), damping ratio -Re p/|p|; their errors are relative.
     frequencies, zeta = np.abs(fit.poles) / (2 * np.pi), -fit.poles.real / np.abs(fit.poles)
     evidence = SweptFit(
         windows.orders[0], windows.frequencies, windows.values[0], fit.fitted[0], fit.parts[:, 0],

@@ -296,8 +296,10 @@ def _node_states(
     else:
         harmonics = problem.coordinates(motion)[0]
         s = 1j * motion.omega * np.arange(len(harmonics))[:, None]
+        # At t = 0 every exp(j k omega t) is 1: sums of harmonics, of the rates with j k omega before them.
         q, v = harmonics.sum(axis=0).real, (s * harmonics).sum(axis=0).real
     if problem.plant.turning.any():
+        # The free body turns on at the mean speed of the reference node, which the harmonics do not have.
         (turning,) = problem.plant.free.T
         v = v + turning * problem.drive.speed(motion.parameter) / (problem.plant.driven @ turning)
     angles, speeds = assembly.T @ q, assembly.T @ v

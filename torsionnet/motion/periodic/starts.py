@@ -39,6 +39,7 @@ def mean_start(problem: PeriodicProblem, parameter: float) -> ComplexArray | Non
     way = copy(problem)
     laws_over_twist = np.array([bool(law.reference) for law in problem.plant.laws])
     way.shares = lambda parameter: np.where(laws_over_twist, parameter, 1.0)
+    # Continuation of loads and laws over the twist from nothing (p = 0) to the whole (p = 1).
     way.drive, way.parameter_scale = _scaled_loads(problem, parameter, vibrates=False), 1.0
     start = way.balance(0.0, 1).driven
     way.least_size = np.maximum(np.abs(start[0]), way.least_size)

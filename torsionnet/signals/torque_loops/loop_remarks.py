@@ -291,6 +291,7 @@ def _inertia(slow: TorqueLoop, fast: TorqueLoop) -> list[str]:
     change = _surely(slow.storage_stiffness, fast.storage_stiffness)
     if change >= 0:
         return []
+    # k' = k - J omega^2: its difference between two frequencies gives J.
     inertia = -change / (2 * np.pi) ** 2 / (fast.frequency**2 - slow.frequency**2)
     return [
         phrase(
