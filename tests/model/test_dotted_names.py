@@ -8,8 +8,8 @@ from support.dotted_models import dotted
 from support.library_cases import library_cases
 
 import torsionnet as tn
-from torsionnet.model.checks import check_definition
 from torsionnet.model.configurations import DEFAULT_AXIS
+from torsionnet.model.defining import check_definition
 from torsionnet.model.files.reader import read_text
 from torsionnet.model.files.writer import dump, flat_text
 

@@ -18,7 +18,6 @@ from torsionnet.model.changes import (
     with_point_settings,
 )
 from torsionnet.model.channels import Input, Sensor
-from torsionnet.model.checks import check_definition, check_variant, has_errors
 from torsionnet.model.configurations import (
     Overlay,
     combinations,
@@ -28,7 +27,14 @@ from torsionnet.model.configurations import (
     parse_choice,
     read_overrides,
 )
-from torsionnet.model.defining import collect_elements, define, flatten_definition
+from torsionnet.model.defining import (
+    check_definition,
+    check_variant,
+    collect_elements,
+    define,
+    flatten_definition,
+    has_errors,
+)
 from torsionnet.model.definition import Definition, all_nodes, with_operating_values, with_tangents
 from torsionnet.model.elements import Element
 from torsionnet.model.load.external_torques import ExternalTorques, mean_torques

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from torsionnet.base.errors import Fault
-from torsionnet.model.checks import variants
+from torsionnet.model.defining import variants
 from torsionnet.model.definition import Definition
 
 

@@ -10,8 +10,7 @@ from typing import TypeAlias
 from torsionnet.base.entries.declared import files_beside, version_faults
 from torsionnet.base.errors import Fault, ModelError, UsageError, did_you_mean, unreadable_file
 from torsionnet.base.packages import gc_paused
-from torsionnet.model.checks import check_definition, has_errors
-from torsionnet.model.defining import define
+from torsionnet.model.defining import check_definition, define, has_errors
 from torsionnet.model.definition import Definition
 from torsionnet.model.files.library import decode, library_models, other_use
 from torsionnet.model.files.located_yaml import LocatedDocument, compose

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 from torsionnet.base.errors import Fault, UsageError, unknown_name
 from torsionnet.base.units import RPM
 from torsionnet.model.channels import parse_sensor
-from torsionnet.model.checks import variants
 from torsionnet.model.checks.names import declared, pair_faults
 from torsionnet.model.configurations import parse_choice
+from torsionnet.model.defining import variants
 from torsionnet.report.plan.report_plan import ReportPlan
 
 SPEED_ROUNDING = 1e-9
