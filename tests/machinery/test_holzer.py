@@ -11,7 +11,7 @@ from validation.build import build, read_case
 
 import torsionnet as tn
 from torsionnet.machinery.holzer.holzer import natural_frequencies
-from torsionnet.model.elements.inertias_and_gears import Gear
+from torsionnet.model.elements.gears import Gear
 
 ENGINE = [  # name, J in kg m^2, k to the next one in N m/rad: the engine of docs/how_to/from_holzer.md
     *((f"cyl_{number}", 0.45, 2.1e6) for number in range(1, 6)),

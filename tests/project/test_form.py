@@ -104,7 +104,7 @@ def test_other_imports_are_allowed(tmp_path, name, source):
         ("plot/bode_plot.py", "from torsionnet.plot.study.axes import x", False),
         ("plot/bode_plot.py", "from torsionnet.plot.schematics.taps import x", True),
         ("plot/schematics/taps.py", "from torsionnet.plot.bode_plot import x", False),
-        ("model/element_base/laws.py", "from torsionnet.model.elements.inertias_and_gears import x", False),
+        ("model/element_base/laws.py", "from torsionnet.model.elements.gears import x", False),
         ("model/element_base/laws.py", "from torsionnet.model.checks.names import x", True),
     ],
 )

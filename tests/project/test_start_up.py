@@ -107,6 +107,7 @@ NOT_FOR_A_PLAIN_RIG = {
         "element_base.curves",
         "element_base.dynamic_stiffness",
         "elements.flexible_couplings",
+        "elements.gears",
         "elements.mass_elastic",
         "element_base.quantity_table",
         "element_base.speed_path",
@@ -128,7 +129,7 @@ NOT_FOR_A_PLAIN_RIG = {
 @pytest.mark.slow
 def test_a_model_imports_what_it_has(pytestconfig):
     loaded = loaded_modules(command("check", "dmf_rig"), pytestconfig.rootpath)
-    assert {"torsionnet.model.elements.inertias_and_gears", "torsionnet.model.checks.structure"} <= loaded
+    assert {"torsionnet.model.elements.masses_and_springs", "torsionnet.model.checks.structure"} <= loaded
     assert not loaded & NOT_FOR_A_PLAIN_RIG
     others = {layer for one in LAYERS for layer in one.names} - {*CORE, "app", "drivetrain", "__main__"}
     strange = {name for name in loaded if name.startswith(tuple(f"torsionnet.{room}." for room in others))}

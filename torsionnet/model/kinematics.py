@@ -360,7 +360,7 @@ def count_held_motions(kinematics: Kinematics) -> int:
 def twist_fault(element: Element, parts: Sequence[Part]) -> str | None:
     """Message if no twist can be imposed in an element with these ``parts``, else None.
 
-    >>> from torsionnet.model.elements.inertias_and_gears import Gear
+    >>> from torsionnet.model.elements.gears import Gear
     >>> from torsionnet.model.element_base.laws import Values
     >>> stage = Gear("stage", nodes=("a", "b"), ratio=2)
     >>> twist_fault(stage, stage.parts(Values({})))

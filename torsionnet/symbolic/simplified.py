@@ -23,8 +23,8 @@ from torsionnet.linear.responses.transfer import frequency_response
 from torsionnet.model.channels import Sensor
 from torsionnet.model.definition import Definition
 from torsionnet.model.elements import GROUND, Element
-from torsionnet.model.elements.inertias_and_gears import Gear, RigidCoupling
-from torsionnet.model.elements.springs import Damper, Spring
+from torsionnet.model.elements.gears import Gear, RigidCoupling
+from torsionnet.model.elements.masses_and_springs import Damper, Spring
 from torsionnet.symbolic.transfer_function import TransferFunction
 
 COMPARISON_POINTS = 400

@@ -47,7 +47,8 @@ from torsionnet.model.definition import Definition
 from torsionnet.model.element_base.element import OtherLaws
 from torsionnet.model.elements import Element, Law, Part, Values
 from torsionnet.model.elements.dampers import ViscousDamper
-from torsionnet.model.elements.inertias_and_gears import Inertia, RigidCoupling
+from torsionnet.model.elements.gears import RigidCoupling
+from torsionnet.model.elements.masses_and_springs import Inertia
 from torsionnet.model.model import Model
 from torsionnet.model.operating_values import running_notes
 

@@ -24,7 +24,7 @@ from torsionnet.machinery.excitations.order_excitation import (
 )
 from torsionnet.model.element_base.element_entries import ElementName, NodeName
 from torsionnet.model.elements import GROUND, Element
-from torsionnet.model.elements.inertias_and_gears import Gear
+from torsionnet.model.elements.gears import Gear
 
 # Base class of excitations that impose a twist in an element, as errors of teeth and universal joints.
 

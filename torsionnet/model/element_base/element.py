@@ -53,8 +53,8 @@ if TYPE_CHECKING:
 ELEMENT_TYPES: TypeRegister[type[Element]] = TypeRegister(
     "torsionnet.model.elements",
     {
-        "springs": ("spring", "damper"),
-        "inertias_and_gears": ("inertia", "gear", "planetary", "differential", "rigid_coupling", "lock"),
+        "masses_and_springs": ("inertia", "spring", "damper", "lock"),
+        "gears": ("rigid_coupling", "gear", "planetary", "differential"),
         "contacts": ("clearance", "friction"),
         "dampers": ("viscous_damper", "tuned_damper", "spring_damper", "pendulum_absorber"),
         "electric_machines": ("synchronous_machine", "induction_machine", "grid_generator"),

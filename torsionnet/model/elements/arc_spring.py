@@ -13,7 +13,7 @@ from torsionnet.model.damping import DampingMeasure, DampingQuantity
 from torsionnet.model.element_base.element import Element, register, viscous
 from torsionnet.model.element_base.element_entries import NodePair
 from torsionnet.model.element_base.laws import Law, Part, Values, difference
-from torsionnet.model.elements.springs import NODE_PAIR_DESCRIPTION
+from torsionnet.model.elements.masses_and_springs import NODE_PAIR_DESCRIPTION
 
 
 @register

@@ -27,7 +27,7 @@ from torsionnet.model.element_base.viscoelastic import (
     coupling_faults,
     given_curves,
 )
-from torsionnet.model.elements.springs import INNER_DIAMETER, NODE_PAIR_DESCRIPTION, OUTER_DIAMETER
+from torsionnet.model.elements.masses_and_springs import INNER_DIAMETER, NODE_PAIR_DESCRIPTION, OUTER_DIAMETER
 
 # Flexible coupling: dynamic stiffness and damping as makers' sheets give them, or of rubber from its material.
 

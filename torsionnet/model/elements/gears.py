@@ -1,4 +1,4 @@
-"""Inertia, gear stage, planetary set, differential, rigid coupling (also a torque meter) and clamp to ground."""
+"""Rigid coupling (also a torque meter), gear stage, planetary set and differential."""
 
 from __future__ import annotations
 
@@ -47,55 +47,6 @@ class RigidCoupling(Element):
     def own_parts(self, value: Values) -> tuple[Part, ...]:
         del value
         return (Constraint(difference(*self.nodes)),)
-
-
-@register
-@dataclass(frozen=True, eq=False, repr=False)
-class Lock(Element):
-    """A node clamped to ground; its torque is the reaction the ground has to take.
-
-    Examples
-    --------
-    >>> Lock("brake", node="hub").ports
-    {'node': 'hub'}
-    """
-
-    kind: ClassVar[str] = "lock"
-    glyph: ClassVar[str] = "clamp"
-    sign: ClassVar[str] = "positive when the drivetrain turns the clamp in the positive sense"
-
-    node: str = entry(NodeName("the clamped node", allow_ground=False))
-
-    def own_parts(self, value: Values) -> tuple[Part, ...]:
-        del value
-        return (Constraint(make_row([(self.node, 1)])),)
-
-    def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
-        """No rows of mean speeds, because a clamp transmits no rotation; a rig locked for a test keeps its ratios."""
-        del value
-        return ()
-
-
-@register
-@dataclass(frozen=True, eq=False, repr=False)
-class Inertia(Element):
-    """A rigid rotating mass at a node: torque J d2theta/dt2.
-
-    Examples
-    --------
-    >>> Inertia("flywheel", node="primary", inertia="0.6 kg*m^2 GD2").inertia.evaluate({})
-    Fraction(3, 20)
-    """
-
-    kind: ClassVar[str] = "inertia"
-    glyph: ClassVar[str] = "disc"
-    sign: ClassVar[str] = "positive when the drivetrain accelerates the inertia in the positive sense"
-
-    node: str = entry(NodeName("the node it turns with", allow_ground=False))
-    inertia: Expression = entry(PhysicalQuantity("mass moment of inertia", "inertia", "J", usual=(1e-12, 1e10)))
-
-    def own_parts(self, value: Values) -> tuple[Part, ...]:
-        return (Law(make_row([(self.node, 1)]), inertia=value(self.inertia)),)
 
 
 MESH_STIFFNESS = PhysicalQuantity(

@@ -17,9 +17,9 @@ from torsionnet.model.element_base.element import Element, register
 from torsionnet.model.element_base.element_entries import TURNING_NODE
 from torsionnet.model.element_base.laws import GROUND, Part, Row, Values, make_row
 from torsionnet.model.elements.flexible_couplings import HystereticSpring
-from torsionnet.model.elements.inertias_and_gears import Gear, Inertia, Lock, RigidCoupling
+from torsionnet.model.elements.gears import Gear, RigidCoupling
+from torsionnet.model.elements.masses_and_springs import Damper, Inertia, Lock, Spring
 from torsionnet.model.elements.shaft import Shaft
-from torsionnet.model.elements.springs import Damper, Spring
 from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet, SheetEntry
 from torsionnet.model.sheets.sheet_rows import SheetLink, SheetMass
 

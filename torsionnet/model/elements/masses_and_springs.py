@@ -1,4 +1,4 @@
-"""Elastic and dissipative connections between two nodes, or between a node and ground."""
+"""Inertia, spring, damper and clamp, the elements of which a chain of masses is made."""
 
 from __future__ import annotations
 
@@ -13,8 +13,18 @@ from torsionnet.base.errors import Fault
 from torsionnet.base.expressions import Expression, Number
 from torsionnet.model.damping import DampingMeasure, DampingQuantity
 from torsionnet.model.element_base.element import Element, register, viscous
-from torsionnet.model.element_base.element_entries import NodePair, shown
-from torsionnet.model.element_base.laws import Law, MotionLaw, Part, Values, WholePart, difference
+from torsionnet.model.element_base.element_entries import NodeName, NodePair, shown
+from torsionnet.model.element_base.laws import (
+    Constraint,
+    Law,
+    MotionLaw,
+    Part,
+    Row,
+    Values,
+    WholePart,
+    difference,
+    make_row,
+)
 from torsionnet.model.element_base.spring_stages import (
     ExpressionRows,
     QuantityRows,
@@ -37,6 +47,28 @@ INNER_DIAMETER = PhysicalQuantity("inner diameter there", "length", "d")
 
 TWIST_COLUMN = RowColumn("twist", "angle")
 _WAYS = ("stiffness", "stages", "torque_over_twist")
+
+
+@register
+@dataclass(frozen=True, eq=False, repr=False)
+class Inertia(Element):
+    """A rigid rotating mass at a node: torque J d2theta/dt2.
+
+    Examples
+    --------
+    >>> Inertia("flywheel", node="primary", inertia="0.6 kg*m^2 GD2").inertia.evaluate({})
+    Fraction(3, 20)
+    """
+
+    kind: ClassVar[str] = "inertia"
+    glyph: ClassVar[str] = "disc"
+    sign: ClassVar[str] = "positive when the drivetrain accelerates the inertia in the positive sense"
+
+    node: str = entry(NodeName("the node it turns with", allow_ground=False))
+    inertia: Expression = entry(PhysicalQuantity("mass moment of inertia", "inertia", "J", usual=(1e-12, 1e10)))
+
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
+        return (Law(make_row([(self.node, 1)]), inertia=value(self.inertia)),)
 
 
 @register
@@ -228,3 +260,30 @@ class Damper(Element):
 
     def own_parts(self, value: Values) -> tuple[Part, ...]:
         return (Law(difference(*self.nodes), damping=value(self.damping)),)
+
+
+@register
+@dataclass(frozen=True, eq=False, repr=False)
+class Lock(Element):
+    """A node clamped to ground; its torque is the reaction the ground has to take.
+
+    Examples
+    --------
+    >>> Lock("brake", node="hub").ports
+    {'node': 'hub'}
+    """
+
+    kind: ClassVar[str] = "lock"
+    glyph: ClassVar[str] = "clamp"
+    sign: ClassVar[str] = "positive when the drivetrain turns the clamp in the positive sense"
+
+    node: str = entry(NodeName("the clamped node", allow_ground=False))
+
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
+        del value
+        return (Constraint(make_row([(self.node, 1)])),)
+
+    def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
+        """No rows of mean speeds, because a clamp transmits no rotation; a rig locked for a test keeps its ratios."""
+        del value
+        return ()
