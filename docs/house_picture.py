@@ -18,10 +18,9 @@ from page_parts import code, table
 import torsionnet
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.linear.assembly.assembled import AssembledModel
-from torsionnet.linear.assembly.system import Assembly
+from torsionnet.linear.assembly.rows import Assembly
 from torsionnet.linear.dynamic_stiffness.quotient import transfer_functions
-from torsionnet.linear.dynamic_stiffness.response_problem import make_tape
-from torsionnet.linear.dynamic_stiffness.tape import Tape
+from torsionnet.linear.dynamic_stiffness.tape import Tape, make_tape
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, cached_request
 from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.model.defining import define

@@ -14,7 +14,7 @@ from support.doubts import in_doubt
 import torsionnet as tn
 from torsionnet.linear.assembly.law_stiffness import LawStiffness
 from torsionnet.linear.assembly.rows import Rows, RowSystem
-from torsionnet.linear.dynamic_stiffness import dense, quotient, response_problem
+from torsionnet.linear.dynamic_stiffness import dense, quotient, response_problem, tape
 from torsionnet.linear.dynamic_stiffness.graph_plan import make_plan
 from torsionnet.linear.dynamic_stiffness.response_problem import Loading, ResponseProblem
 from torsionnet.linear.dynamic_stiffness.row_algebra import combine_rows, common_motion, equivalent_links, normalised
@@ -370,7 +370,7 @@ def test_few_readings_go_forward_and_give_the_same_as_those_that_come_back(monke
     kappa = sampled_stiffness(stiffness(system, np.linspace(1, 300, 50)))
     forward = problem_of(system, unit_load(12, 2), np.eye(12)[[0, 7]])
     found = response_problem.eliminate(forward, kappa)
-    monkeypatch.setattr(response_problem, "MOST_FORWARD_READINGS", 0)
+    monkeypatch.setattr(tape, "MOST_FORWARD_READINGS", 0)
     monkeypatch.setattr(response_problem, "recent_plan", response_problem.recent_plan.__wrapped__)
     back = problem_of(system, unit_load(12, 2), np.eye(12)[[0, 7]])
     assert not np.array_equal(back.planned[1].operations, forward.planned[1].operations)
@@ -387,7 +387,7 @@ def test_a_plan_is_made_once_for_equal_rows():
 def test_registers_of_a_walk_forward_do_not_grow_with_the_drivetrain():
     def registers(n):
         rows = [{i: 1.0} for i in range(n)] + [{i: 1.0, i + 1: -1.0} for i in range(n - 1)]
-        return response_problem.make_tape(plan_of(rows, [{n - 1: 1.0}], [{0: 1.0}])).n_registers
+        return tape.make_tape(plan_of(rows, [{n - 1: 1.0}], [{0: 1.0}])).n_registers
 
     assert registers(400) == registers(20) < 16
 

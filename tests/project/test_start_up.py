@@ -144,8 +144,6 @@ def test_what_is_not_imported_is_there(module):
 ONLY_DECLARED = {
     "torsionnet/base/errors.py",  # nothing is wrong with the rigs
     "torsionnet/model/element_base/spring_stages.py",  # entries of springs that are not linear
-    "torsionnet/model/parts/part_entries.py",  # sections of a model file
-    "torsionnet/model/parts/part_table.py",
     "torsionnet/report/plan/report_plan.py",  # the section of amt_rig
 }
 """Modules that the rigs load for what they declare."""

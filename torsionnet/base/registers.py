@@ -11,6 +11,7 @@ import pkgutil
 import warnings
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, MutableMapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any, Generic, TypeVar
@@ -120,6 +121,7 @@ class TypeRegister(MutableMapping[str, T], Generic[T]):
                 warnings.warn(text, TorsionnetWarning, stacklevel=2)
 
 
+@dataclass(eq=False, repr=False)
 class Memo:
     """Cache of results, by their type and a key, that copies of a value share; whoever shares the memo shares them.
 
@@ -130,8 +132,7 @@ class Memo:
     ('worked out', 'worked out')
     """
 
-    def __init__(self) -> None:
-        self._kept: dict[tuple[type, Hashable], object] = {}
+    _kept: dict[tuple[type, Hashable], object] = field(default_factory=dict)
 
     def once(self, kind: type[T], key: Hashable, make: Callable[[], T]) -> T:
         """Cached result of this type under the key, computed by ``make`` if there is none.

@@ -16,8 +16,7 @@ from torsionnet.base.errors import UsageError, warn_user
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.export_losses import export_losses, refuse_laws_of_motion
 from torsionnet.linear.assembly.law_stiffness import Functional, powers_of_s
-from torsionnet.linear.assembly.rows import FloatArray, refuse_actions
-from torsionnet.linear.assembly.system import Assembly
+from torsionnet.linear.assembly.rows import Assembly, FloatArray, refuse_actions
 from torsionnet.linear.dynamic_stiffness.state_space import StateSpace, active_channels, state_space
 from torsionnet.signals.formats.mat import cell_array, mat_bytes
 

@@ -21,8 +21,6 @@ from torsionnet.model.configurations import Overlay
 from torsionnet.model.elements import GROUND, Element
 from torsionnet.model.operating_point import OPERATING_POINT, OperatingPoint
 from torsionnet.model.parameters import Parameter, resolve
-from torsionnet.model.parts.part_entries import PORTS, USE
-from torsionnet.model.parts.part_table import INCLUDE, PARTS
 
 if TYPE_CHECKING:
     from torsionnet.bench.plan import Plan
@@ -103,10 +101,10 @@ class Definition(Declared):
     description: str = entry(Text("what the model is"), "")
     parameters: Mapping[str, Parameter] = entry(sections.PARAMETERS, None)
     elements: Mapping[str, Element] = entry(sections.ELEMENTS, None)
-    include: tuple[str, ...] = entry(INCLUDE, ())
-    parts: Mapping[str, Part] = entry(PARTS, None)
-    use: Mapping[str, Use] = entry(USE, None)
-    ports: tuple[str, ...] = entry(PORTS, ())
+    include: tuple[str, ...] = entry(sections.INCLUDE, ())
+    parts: Mapping[str, Part] = entry(sections.PARTS, None)
+    use: Mapping[str, Use] = entry(sections.USE, None)
+    ports: tuple[str, ...] = entry(sections.PORTS, ())
     inputs: Mapping[str, Input] = entry(sections.INPUTS, None)
     sensors: Mapping[str, Sensor] = entry(sections.SENSORS, None)
     configurations: Mapping[str, Mapping[str, Overlay]] = entry(sections.CONFIGURATIONS, None)

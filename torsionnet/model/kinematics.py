@@ -105,21 +105,6 @@ def owned_parts(definition: Definition, value: Values) -> tuple[OwnedPart, ...]:
     return tuple(OwnedPart(element.name, part) for element in definition.active for part in element.parts(value))
 
 
-def _parts_of_element(element: Element, value: Values, known: MadeParts | None) -> MadeParts:
-    """Laws, constraints and actions of an element; those ``known`` are taken where none of its parameters changed."""
-    if known is not None and known.of is element:
-        names = known.names
-    else:
-        known = None
-        names = tuple(sorted({name for _, _, expression, _ in element.expressions() for name in expression.names}))
-    used = tuple(value.parameters.get(name) for name in names)
-    kinds = tuple(map(type, used))  # a float that equals a fraction is not exact
-    if known is not None and (used, kinds) == (known.used, known.kinds):
-        return known
-    parts = tuple(OwnedPart(element.name, part) for part in element.parts(value))
-    return MadeParts(element, names, used, kinds, parts)
-
-
 def constraints_of(parts: Sequence[OwnedPart]) -> tuple[tuple[str, Row], ...]:
     """Pairs of element name and row over nodes of every constraint among the parts."""
     return tuple((owned.element, owned.part.row) for owned in parts if isinstance(owned.part, Constraint))
@@ -157,9 +142,22 @@ def solve_kinematics(
     for node in referred_to:
         if node not in nodes:
             raise UsageError(f'no node is named "{node}"{did_you_mean(node, nodes)}', kind="unknown-node")
-    before = like.made if like else {}
-    made = {element.name: _parts_of_element(element, value, before.get(element.name)) for element in definition.active}
-    parts = tuple(part for own in made.values() for part in own.parts)
+    # Laws, constraints and actions of each element; those of ``like`` where none of its parameters has changed.
+    made: dict[str, MadeParts] = {}
+    for element in definition.active:
+        known = like.made.get(element.name) if like else None
+        if known is not None and known.of is element:
+            names = known.names
+        else:
+            known = None
+            names = tuple(sorted({name for _, _, expression, _ in element.expressions() for name in expression.names}))
+        used = tuple(value.parameters.get(name) for name in names)
+        kinds = tuple(map(type, used))  # a float that equals a fraction is not exact
+        if known is None or (used, kinds) != (known.used, known.kinds):
+            own = tuple(OwnedPart(element.name, part) for part in element.parts(value))
+            known = MadeParts(element, names, used, kinds, own)
+        made[element.name] = known
+    parts = tuple(part for known in made.values() for part in known.parts)
     imposed = imposed_rows(definition, set(nodes))
     driven = tuple(definition.inputs[name].row for name in imposed)
     same = like is not None and (nodes, tuple(imposed), driven) == (like.nodes, like.imposed, like.driven)

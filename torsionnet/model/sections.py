@@ -1,7 +1,4 @@
-"""Entries for the sections of a model file.
-
-Here as well: entry for the elements of a model by name.
-"""
+"""Entries for the sections of a model file, of which its elements and parts are tables by name."""
 
 from __future__ import annotations
 
@@ -10,9 +7,9 @@ from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
-from torsionnet.base.entries.composite import Named, Nested, Typed
+from torsionnet.base.entries.composite import Listed, Named, Nested, Typed
 from torsionnet.base.entries.scalars import QuantityKind
-from torsionnet.base.entries.spec import NAME_SCHEMA, name_fault
+from torsionnet.base.entries.spec import NAME_SCHEMA, Schema, Text, name_fault, single_name_fault
 from torsionnet.base.errors import Fault, ModelError, got, unfit_word
 from torsionnet.base.expression_reading import check_name
 from torsionnet.base.expressions import Number
@@ -20,7 +17,7 @@ from torsionnet.base.packages import imported
 from torsionnet.model.channels import INPUT, SENSOR
 from torsionnet.model.configurations import AxesEntry
 from torsionnet.model.element_base.element import ELEMENT_TYPES, Element
-from torsionnet.model.element_base.element_entries import CATALOGUE, SIZE
+from torsionnet.model.element_base.element_entries import CATALOGUE, SIZE, NodeName
 from torsionnet.model.parameters import PARAMETER
 
 FORM = "{name: {type: inertia, node: ..., inertia: ...}, ...}"
@@ -113,6 +110,39 @@ def _kind_fault(kind: Any) -> Fault:
 def element_kinds() -> Mapping[str, type[Element]]:
     """Class of every registered element type, by the word in ``type:``."""
     return ELEMENT_TYPES
+
+
+PLAIN_NAME_SCHEMA: Schema = {"pattern": "^[A-Za-z][A-Za-z0-9_]*$"}
+"""JSON Schema of a name without dots."""
+
+
+def prefix_fault(name: str) -> Fault | str | None:
+    """Fault that a name is not allowed for a use, as names of parameters begin with it, or None."""
+    return single_name_fault(name) or check_name(name)
+
+
+class PartTable(Named[Any]):
+    """Entry of a model's parts by name.
+
+    A part that could be read incompletely is kept, so that its uses are checked.
+    """
+
+    def read(self, raw: object) -> tuple[Mapping[str, Any], list[Fault]]:
+        if not isinstance(raw, Mapping):
+            return super().read(raw)
+        table, faults = {}, list(self._name_faults(raw))
+        for name, raw_part in raw.items():
+            part, wrong = self.of.read(raw_part)
+            faults += [fault.under(name) for fault in wrong]
+            if part is not None and not single_name_fault(str(name)):
+                table[str(name)] = part
+        return table, faults
+
+    def _name_faults(self, raw: Mapping[str, Any]) -> Iterator[Fault]:
+        for name in raw:
+            unfit = single_name_fault(str(name))
+            if unfit:
+                yield replace(unfit, path=(name,), on_key=True)
 
 
 class SectionOwner(NamedTuple):
@@ -223,3 +253,30 @@ BENCH = Nested(
 REPORT = Nested(
     "what torsionnet report writes about the model", partial(section_class, "report"), "report", optional=True
 )
+USE = Named(
+    "parts put into this model, by the name that stands before those of all they hold",
+    Nested(
+        "a part, the nodes it is joined to and its values", partial(imported, "torsionnet.model.parts.use:Use"), "use"
+    ),
+    refused=prefix_fault,
+    names=PLAIN_NAME_SCHEMA,
+    form="{left: {part: half_shaft, at: {inner: dl, outer: hub}}}",
+)
+"""Specification of a model's entry ``use:``, the parts put into it."""
+PORTS = Listed(
+    "nodes at which a model is joined to others that use it as a part", NodeName("a node", False), "a list of nodes"
+)
+"""Specification of a model's entry ``ports:``, the nodes at which it is joined to others."""
+PARTS = PartTable(
+    "models with ports, to be put in under use:, by name",
+    Nested("a model with ports", partial(imported, "torsionnet.model.parts.part:Part"), "part"),
+    names=PLAIN_NAME_SCHEMA,
+    form="{half_shaft: {ports: [inner, outer], elements: {...}}}",
+)
+"""Specification of a model's entry ``parts:``, its own parts by name."""
+INCLUDE = Listed(
+    "files beside this one or below with parts:, or models with ports:, which are parts under the name of their file",
+    Text("the name of a file", "the name of a file"),
+    "a list of files",
+)
+"""Specification of a model's entry ``include:``, the files of parts that it includes."""

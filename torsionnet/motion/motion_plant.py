@@ -17,8 +17,7 @@ import numpy as np
 
 from torsionnet.base.errors import UsageError
 from torsionnet.linear.assembly.assembled import AssembledModel
-from torsionnet.linear.assembly.rows import FloatArray, RowSystem
-from torsionnet.linear.assembly.system import Assembly
+from torsionnet.linear.assembly.rows import Assembly, FloatArray, RowSystem
 from torsionnet.linear.dynamic_stiffness.action_states import LawStates, law_states
 from torsionnet.linear.dynamic_stiffness.row_algebra import null_space
 from torsionnet.model.element_base.element import OtherLaws

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from torsionnet.model.model import Model
 
 if TYPE_CHECKING:
-    from torsionnet.linear.assembly.system import Assembly
+    from torsionnet.linear.assembly.rows import Assembly
 
 
 class AssembledModel(Model):
@@ -17,7 +17,7 @@ class AssembledModel(Model):
     @cached_property
     def assembly(self) -> Assembly:
         """Coordinates, rows and coefficients of the drivetrain in numbers, assembled when first used."""
-        from torsionnet.linear.assembly.system import assemble  # numpy, which checking a file does without
+        from torsionnet.linear.assembly.rows import assemble  # numpy, which checking a file does without
 
         assembly = assemble(self.definition, self.exact_values, like=self._state.shared.assembly)
         # Changed copies have it, too: their assemblies take over the rows that are the same.

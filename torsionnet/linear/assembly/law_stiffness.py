@@ -22,8 +22,7 @@ from numpy.typing import NDArray
 from torsionnet.base.errors import UsageError, unknown_name
 from torsionnet.base.expressions import exact
 from torsionnet.linear.assembly.assembled import AssembledModel
-from torsionnet.linear.assembly.rows import ComplexArray, FloatArray, RowSystem
-from torsionnet.linear.assembly.system import Assembly
+from torsionnet.linear.assembly.rows import Assembly, ComplexArray, FloatArray, RowSystem
 from torsionnet.linear.frequency_response import Channel
 from torsionnet.model.channels import UNITS, Sensor
 from torsionnet.model.definition import all_nodes
@@ -149,13 +148,6 @@ class LawStiffness:
         nothing = np.zeros((1, self.n_laws))
         sampled = tuple((law, value[None]) for law, value in enumerate(values))
         return LawStiffness(nothing, nothing, nothing, self.omega, sampled, self.actions)
-
-    def in_single_precision(self) -> LawStiffness:
-        """Laws and actions rounded to seven digits; the elimination of such laws is calculated to seven digits, too."""
-        J, c, k, omega = (part.astype("f4") for part in (self.inertia, self.damping, self.stiffness, self.omega))
-        sampled: Any = tuple((law, values.astype("c8")) for law, values in self.sampled)
-        actions: Any = tuple(values.astype("c8") for values in self.actions)
-        return replace(self, inertia=J, damping=c, stiffness=k, omega=omega, sampled=sampled, actions=actions)
 
     def law_sums(self, n_slots: int, terms: Sequence[LawTerms]) -> LawStiffness:
         """Dynamic stiffness in N m/rad of ``n_slots`` sums of laws: their first terms, their second ones, ..."""

@@ -14,8 +14,9 @@ from torsionnet.base.entries.spec import EntryError
 from torsionnet.base.errors import UsageError
 from torsionnet.base.expressions import Number
 from torsionnet.base.result_rows import NUMBER_ROWS, Out
+from torsionnet.linear.assembly.action_laws import ActionLaw
 from torsionnet.linear.assembly.assembled import AssembledModel
-from torsionnet.linear.assembly.rows import ActionLaw, FloatArray, RowSystem
+from torsionnet.linear.assembly.rows import FloatArray, RowSystem
 
 HIGHEST_POWER = 2
 """Highest power of s in an action that has a place in K, C and M."""

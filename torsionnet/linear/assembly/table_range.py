@@ -10,8 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from torsionnet.linear.assembly.rows import FloatArray
-from torsionnet.linear.assembly.system import Assembly
+from torsionnet.linear.assembly.rows import Assembly, FloatArray
 
 ROUNDED_FREQUENCY = 1e-9
 """Relative distance from the first or last row up to which a frequency is at the row."""

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from torsionnet.linear.assembly.action_laws import ActionLaw
 from torsionnet.linear.assembly.assembled import AssembledModel
-from torsionnet.linear.assembly.rows import ActionLaw, ComplexArray, FloatArray
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.model.element_base.dynamic_stiffness import ComplexStiffness, DynamicStiffness, ScaledStiffness
 
 if TYPE_CHECKING:

@@ -26,8 +26,7 @@ from numpy.typing import NDArray
 
 from torsionnet.base.errors import ModelError, SolveError, TorsionnetError
 from torsionnet.linear.assembly.assembled import AssembledModel
-from torsionnet.linear.assembly.rows import ComplexArray, FloatArray, RowSystem
-from torsionnet.linear.assembly.system import Assembly
+from torsionnet.linear.assembly.rows import Assembly, ComplexArray, FloatArray, RowSystem
 from torsionnet.linear.batch.stacked_form import (
     Coefficients,
     SharedDirections,

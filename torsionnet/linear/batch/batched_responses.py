@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from torsionnet.base.errors import TorsionnetError, UsageError
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.law_stiffness import LawStiffness
-from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
-from torsionnet.linear.assembly.system import Assembly
+from torsionnet.linear.assembly.rows import Assembly, ComplexArray, FloatArray
 from torsionnet.linear.assembly.table_range import range_notes
 from torsionnet.linear.batch.batch import Batch, BatchedStiffness
 from torsionnet.linear.batch.batch_plan import batch_plan

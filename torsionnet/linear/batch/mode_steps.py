@@ -18,8 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.linear.assembly.rows import ComplexArray, FloatArray, RowSystem
-from torsionnet.linear.assembly.system import Assembly
+from torsionnet.linear.assembly.rows import Assembly, ComplexArray, FloatArray, RowSystem
 from torsionnet.linear.batch.batch_plan import batch_plan
 from torsionnet.linear.batch.batched_modes import BatchedModes, batched_modes, single_modes, stacked_coefficients
 from torsionnet.linear.modes.mode_shapes import EQUAL_EIGENVALUES

@@ -18,8 +18,8 @@ from fractions import Fraction
 import numpy as np
 
 from torsionnet.base.errors import UsageError
-from torsionnet.linear.assembly.rows import ActionLaw, FloatArray, divide_polynomials
-from torsionnet.linear.assembly.system import Assembly
+from torsionnet.linear.assembly.action_laws import ActionLaw, divide_polynomials
+from torsionnet.linear.assembly.rows import Assembly, FloatArray
 
 HIGHEST_POWER = 2
 """Highest power of s, 2, with which an action may feed the sensed angle through at once, that is its acceleration."""

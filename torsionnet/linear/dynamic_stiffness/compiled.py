@@ -16,7 +16,7 @@ import torsionnet.linear.dynamic_stiffness.tape as ops
 from torsionnet.base.errors import MissingExtraError
 from torsionnet.linear.assembly.law_stiffness import LawStiffness
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
-from torsionnet.linear.dynamic_stiffness.reading_problem import ReadingProblem, SolvedTerm
+from torsionnet.linear.dynamic_stiffness.response_problem import ReadingProblem, SolvedTerm
 from torsionnet.linear.dynamic_stiffness.tape import Tape
 
 # Integer and float arrays that say how every reading is formed, as the compiled loop runs through them.

@@ -13,9 +13,9 @@ from typing import Any
 import torsionnet.linear.dynamic_stiffness.tape as ops
 from torsionnet.base.errors import SolveError
 from torsionnet.base.expressions import exact
-from torsionnet.linear.assembly.rows import ActionLaw, polynomial
-from torsionnet.linear.assembly.system import Assembly
-from torsionnet.linear.dynamic_stiffness.reading_problem import SolvedTerm, make_reading_problem
+from torsionnet.linear.assembly.action_laws import ActionLaw, polynomial
+from torsionnet.linear.assembly.rows import Assembly
+from torsionnet.linear.dynamic_stiffness.response_problem import SolvedTerm, make_reading_problem
 from torsionnet.linear.dynamic_stiffness.row_algebra import Accuracy
 from torsionnet.linear.dynamic_stiffness.tape import Tape
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest

@@ -16,8 +16,8 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import NamedTuple, TypeAlias
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +25,7 @@ from numpy.typing import NDArray
 from torsionnet.base.errors import SolveError
 from torsionnet.linear.assembly.law_stiffness import LawStiffness
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
-from torsionnet.linear.dynamic_stiffness.reading_problem import ReadingProblem
-from torsionnet.linear.dynamic_stiffness.response_problem import ResponseProblem, eliminate
+from torsionnet.linear.dynamic_stiffness.response_problem import ReadingProblem, ResponseProblem, eliminate
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest
 
 CERTAIN = 2e-13
@@ -210,7 +209,12 @@ def transfer_functions(
 def rounding_errors(evaluate: Evaluate, laws: LawStiffness, values: ComplexArray) -> FloatArray:
     """Relative errors of ``values`` (n_points, ...) by rounding, as ``evaluate`` made them; inf where unknown."""
     with np.errstate(all="ignore"):
-        again = evaluate(laws.in_single_precision(), False)
+        # Laws and actions to seven digits: their elimination is then calculated to seven digits, too.
+        J, c, k, omega = (part.astype("f4") for part in (laws.inertia, laws.damping, laws.stiffness, laws.omega))
+        sampled: Any = tuple((law, sample.astype("c8")) for law, sample in laws.sampled)
+        actions: Any = tuple(sample.astype("c8") for sample in laws.actions)
+        short = replace(laws, inertia=J, damping=c, stiffness=k, omega=omega, sampled=sampled, actions=actions)
+        again = evaluate(short, False)
         errors = SINGLE_SHARE * np.abs(again - values) / np.maximum(np.abs(values), NOTHING)
     # Beyond the range of single precision its result says nothing.
     beyond = (np.abs(again) < LEAST_SINGLE) & (errors > CERTAIN)

@@ -3,11 +3,7 @@
 Columns below ``n_free`` are coordinates, which follow from the equations of motion. Those from there on are given: an
 imposed angle, or the gap of a rigid connection, which is held at zero so that its reaction can be read.
 
-Operation tapes that carry out elimination plans, by back-substitution or by carrying readings forward.
-
-Weights of loads go forward with the elimination. What is read either comes back along the way, all motions from one
-solution, or goes forward like a load: the dynamic stiffness is symmetric, and with r D^-1 l built up on the way nothing
-has to be kept for a way back. That is the better way for few readings.
+Here as well: the problem for named outputs and measured inputs, and the map from its solution to their readings.
 
 >>> import numpy as np
 >>> from torsionnet.linear.assembly.law_stiffness import LawStiffness
@@ -22,235 +18,24 @@ has to be kept for a way back. That is the better way for few readings.
 from __future__ import annotations
 
 import math
-from collections import defaultdict
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from functools import cached_property, lru_cache
-from typing import TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from torsionnet.linear.assembly.law_stiffness import LawStiffness
-from torsionnet.linear.assembly.rows import ComplexArray
-from torsionnet.linear.dynamic_stiffness.graph_plan import EliminationPlan, EliminationStep, make_plan
+from torsionnet.linear.assembly.law_stiffness import Functional, LawStiffness, Term
+from torsionnet.linear.assembly.rows import Assembly, ComplexArray, FloatArray
+from torsionnet.linear.dynamic_stiffness.graph_plan import EliminationPlan, make_plan
 from torsionnet.linear.dynamic_stiffness.row_algebra import DOUBLE, Accuracy, Row
-from torsionnet.linear.dynamic_stiffness.tape import (
-    CONSTANT,
-    LAW,
-    LAW_SUM,
-    ONE,
-    OUTPUT,
-    Array,
-    Operation,
-    Tape,
-    TapeQuantity,
-    Writer,
-    sweep,
-)
+from torsionnet.linear.dynamic_stiffness.tape import OUTPUT, Array, Tape, make_tape, sweep
+from torsionnet.model.channels import Input
+from torsionnet.model.kinematics import exact_row
 
-MOST_FORWARD_READINGS = 2
-"""Largest number of readings that are carried forward with the loads, as that takes fewer operations than
-back-substitution for so few."""
-Key = TypeVar("Key")
-"""Key of a quantity in a table, the number of a slot or of a reading, or of a reading and an excitation."""
-
-
-def make_tape(plan: EliminationPlan) -> Tape:
-    """Operation tape of an elimination plan, whose value n_excitations * reading + excitation is that reading.
-
-    Examples
-    --------
-    >>> from torsionnet.linear.dynamic_stiffness.graph_plan import make_plan
-    >>> tape = make_tape(make_plan([{0: 1.0}, {0: 1.0, 1: -1.0}], 2, [{1: 1.0}], [{}], [{1: 1.0}], ()))
-    >>> len(tape.operations), tape.n_registers
-    (6, 3)
-    """
-    n_read = len(plan.outputs) + len(plan.reactions)
-    taping = (_Forward if n_read <= MOST_FORWARD_READINGS else _Back)(plan)
-    for (reading, excitation), value in taping.read().items():
-        number, name = reading * plan.n_excitations + excitation, taping.writer.name(value)
-        taping.writer.operations.append(Operation(OUTPUT, number, name, 0, value.factor))
-    return taping.writer.tape(n_read * plan.n_excitations)
-
-
-@dataclass(frozen=True)
-class _Eliminated:
-    """Elimination step with the shares kappa_i / S of its rows, and the motion f_v / S in rad by excitation."""
-
-    step: EliminationStep
-    shares: dict[int, TapeQuantity]
-    loads: dict[int, TapeQuantity]
-
-
-class _Taping:
-    """Writer of the part of a tape that both kinds have in common, the elimination of laws and loads.
-
-    ``read`` of either kind gives the values of what is read, by the numbers of reading and excitation.
-    """
-
-    def __init__(self, plan: EliminationPlan) -> None:
-        self.plan, self.writer = plan, Writer()
-        self.links: dict[int, TapeQuantity] = {}
-        self.fresh = set(range(len(plan.sources)))
-        self.weights: list[dict[int, TapeQuantity]] = [{} for _ in range(plan.n_excitations)]
-        for slot, excitation, factor in plan.weights:
-            self._add(self.weights[excitation], slot, TapeQuantity(-1, factor))
-
-    def _add(self, table: dict[Key, TapeQuantity], key: Key, term: TapeQuantity) -> None:
-        table[key] = self.writer.plus(table.get(key), term)
-
-    def _link(self, slot: int, added: TapeQuantity | None = None) -> TapeQuantity:
-        """Dynamic stiffness in N m/rad of a row slot, with a term ``added``, as a quantity of the tape.
-
-        That of laws is not worked out before use.
-        """
-        if slot in self.fresh:
-            self.fresh.discard(slot)
-            if added is None:
-                name = self.writer.new(LAW, b=slot)
-            else:
-                name = self.writer.new(LAW_SUM, self.writer.name(added), slot, added.factor)
-            self.links[slot] = TapeQuantity(name, 1.0)
-        elif added is not None:
-            self.links[slot] = self.writer.plus(self.links.get(slot), added)
-        return self.links[slot]
-
-    def _eliminated(self) -> Iterable[_Eliminated]:
-        """Write the elimination of one coordinate after the other, and yield its shares and the motions of loads."""
-        writer = self.writer
-        for step in self.plan.steps:
-            for slot, parts in step.handed_on:
-                for target, weight in parts:
-                    self._link(target, added=writer.times(self._link(slot), TapeQuantity(-1, weight)))
-            if not (step.shared or step.loads):
-                yield _Eliminated(step, {}, {})
-                continue
-            terms = [self._link(slot) for slot, _ in step.terms]
-            # Pivot S = sum kappa_e a_ev^2 in N m/rad, the total stiffness on the coordinate.
-            pivot = None
-            for term, (_, square) in zip(terms, step.terms, strict=True):
-                pivot = writer.plus(pivot, writer.times(term, TapeQuantity(-1, square)))
-            S = pivot or TapeQuantity(writer.new(CONSTANT, factor=0.0), 1.0)
-            # Shares s_i = kappa_i/S; several of them by one reciprocal, as a product takes less than a quotient.
-            if len(step.shared) > 1:
-                inverse = writer.over(ONE, S)
-                shares = {i: writer.times(terms[i], inverse) for i in step.shared}
-            else:
-                shares = {i: writer.over(terms[i], S) for i in step.shared}
-            # D' = sum_{i<j} factor s_i kappa_j b b^T.
-            for i, j, factor, target in step.pairs:
-                pair = writer.times(writer.times(shares[i], terms[j]), TapeQuantity(-1, factor))
-                self._link(target, added=pair)
-            loads = {}
-            for excitation, weights in enumerate(self.weights):
-                # w[target] += factor s_i w[slot]: loads on the coordinate pass on to other rows ...
-                for slot, i, factor, target in step.passed:
-                    if slot in weights:
-                        passed = writer.times(writer.times(weights[slot], shares[i]), TapeQuantity(-1, factor))
-                        self._add(weights, target, passed)
-                # ... and their sum over S is the motion that they cause on the spot.
-                load = None
-                for slot, factor in step.loads:
-                    if slot in weights:
-                        load = writer.plus(load, writer.times(weights[slot], TapeQuantity(-1, factor)))
-                if load is not None:
-                    loads[excitation] = writer.over(load, S)
-            yield _Eliminated(step, shares, loads)
-
-
-class _Back(_Taping):
-    """Writer of a tape with back-substitution, which gives all motions under one excitation after another."""
-
-    def read(self) -> dict[tuple[int, int], TapeQuantity]:
-        way = list(self._eliminated())
-        values: dict[tuple[int, int], TapeQuantity] = {}
-        for excitation in range(self.plan.n_excitations):
-            motions = self._motions(way, excitation)
-            for reading, value in self._read(motions, excitation):
-                values[reading, excitation] = value
-        return values
-
-    def _motions(self, way: Sequence[_Eliminated], excitation: int) -> dict[int, TapeQuantity]:
-        writer = self.writer
-        motions = {slot: TapeQuantity(-1, given[excitation]) for slot, given in self.plan.given if given[excitation]}
-        # Back along the way: r q = r_v f_v/S + sum_e (kappa_e a_ev/S) b_e q, equation (3.5).
-        for eliminated in reversed(way):
-            for motion in eliminated.step.motions:
-                total = None
-                if motion.load and excitation in eliminated.loads:
-                    total = writer.times(eliminated.loads[excitation], TapeQuantity(-1, motion.load))
-                for i, factor, source in motion.terms:
-                    if source in motions:
-                        part = writer.times(eliminated.shares[i], motions[source])
-                        part = writer.times(part, TapeQuantity(-1, factor))
-                        total = writer.plus(total, part)
-                if total is not None:
-                    motions[motion.slot] = total
-        return motions
-
-    def _read(self, motions: dict[int, TapeQuantity], excitation: int) -> Iterable[tuple[int, TapeQuantity]]:
-        writer = self.writer
-        for number, (slot, factor) in enumerate(self.plan.outputs):
-            if slot in motions:
-                yield number, writer.times(motions[slot], TapeQuantity(-1, factor))
-        for number, reaction in enumerate(self.plan.reactions, len(self.plan.outputs)):
-            total = None
-            # Reaction of a given column, sum_l w_l l_g - sum_e kappa_e a_eg (a_e q).
-            for slot, factor, motion in reaction.laws:
-                if motion in motions:
-                    torque = writer.times(writer.times(self._link(slot), motions[motion]), TapeQuantity(-1, factor))
-                    total = writer.plus(total, torque)
-            for slot, factor in reaction.loads:
-                if slot in self.weights[excitation]:
-                    weight = self.weights[excitation][slot]
-                    total = writer.plus(total, writer.times(weight, TapeQuantity(-1, factor)))
-            if total is not None:
-                yield number, total
-
-
-class _Forward(_Taping):
-    """Writer of a tape with readings carried forward as weights, which the loads meet on the way."""
-
-    def read(self) -> dict[tuple[int, int], TapeQuantity]:
-        writer = self.writer
-        self.carried: dict[int, dict[int, TapeQuantity]] = defaultdict(dict)
-        values: dict[tuple[int, int], TapeQuantity] = {}
-        for number, (slot, factor) in enumerate(self.plan.outputs):
-            self._add(self.carried[slot], number, TapeQuantity(-1, factor))
-        for eliminated in self._eliminated():
-            for motion in eliminated.step.motions:
-                for reading, weight in self._weights_on(motion.slot):
-                    # r q = sum factor s_i (b q): the weight of the motion passes on to those it is made of ...
-                    for i, factor, source in motion.terms:
-                        part = writer.times(weight, eliminated.shares[i])
-                        self._add(self.carried[source], reading, writer.times(part, TapeQuantity(-1, factor)))
-                    # ... and meets f_v / S, what loads do on the spot.
-                    if motion.load:
-                        own = writer.times(weight, TapeQuantity(-1, motion.load))
-                        for e, met in [(e, writer.times(own, load)) for e, load in eliminated.loads.items()]:
-                            self._add(values, (reading, e), met)
-        for slot, given in self.plan.given:
-            for reading, weight in self._weights_on(slot):
-                angles = [(e, TapeQuantity(-1, angle)) for e, angle in enumerate(given) if angle]
-                for e, met in [(e, writer.times(weight, angle)) for e, angle in angles]:
-                    self._add(values, (reading, e), met)
-        for number, reaction in enumerate(self.plan.reactions, len(self.plan.outputs)):
-            for slot, factor in reaction.loads:
-                for excitation, weights in enumerate(self.weights):
-                    if slot in weights:
-                        held = writer.times(weights[slot], TapeQuantity(-1, factor))
-                        self._add(values, (number, excitation), held)
-        return values
-
-    def _weights_on(self, slot: int) -> list[tuple[int, TapeQuantity]]:
-        """Weights by reading with which the motion of this number counts, reactions that depend on it included."""
-        for number, reaction in enumerate(self.plan.reactions, len(self.plan.outputs)):
-            for law, factor, motion in reaction.laws:
-                if motion == slot:
-                    weight = self.writer.times(self._link(law), TapeQuantity(-1, factor))
-                    self._add(self.carried[slot], number, weight)
-        return list(self.carried.pop(slot, {}).items())
-
+if TYPE_CHECKING:
+    from torsionnet.linear.assembly.action_laws import ActionLaw
 
 MOST_SINGLE_TORQUES = 4
 """Largest number of excitation torques that are solved one by one, since each then has its own coordinate at the root
@@ -386,3 +171,232 @@ def eliminate(problem: ResponseProblem, laws: LawStiffness, walk: Walk = sweep) 
             solved = walk(tape, laws.law_sums(len(plan.sources), plan.law_terms))
             values[:, excitations] = solved.reshape(problem.n_read, len(excitations), laws.n_points)
     return values
+
+
+Number: TypeAlias = Callable[[Any], Any]
+"""Function that makes the coefficient of a row from a rational, as a float or as a number with many digits."""
+
+
+class SolvedTerm(NamedTuple):
+    """Term of a reading, which is ``factor``, or the coefficient of ``term``, times row ``solved`` of the solution."""
+
+    solved: int
+    term: Term | None
+    factor: Fraction = Fraction(1)
+
+    def contribution(self, laws: LawStiffness, values: ComplexArray) -> ComplexArray:
+        """Contribution of this term to the reading, in its unit per unit excitation, shape (n_exc, n_points)."""
+        if self.term is None:
+            return np.asarray(float(self.factor) * values[self.solved])
+        # Factor on the angle of the term: s^power, or the dynamic stiffness of its law.
+        law = self.term.law
+        gain = laws.s**self.term.power if law is None else laws.of(law)
+        return np.asarray(float(self.term.factor) * gain * values[self.solved])
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Virtual opening, in rad, of a rigid connection whose torque is read, with the laws and nodes that it moves."""
+
+    laws: Mapping[int, Fraction]
+    nodes: Mapping[str, Fraction]
+
+    def work(self, row: Mapping[str, Fraction | int]) -> Fraction:
+        """Work in J, per rad that the gap opens, of the torques in N m that ``row`` gives by node."""
+        return sum((share * self.nodes.get(node, Fraction(0)) for node, share in row.items()), start=Fraction(0))
+
+
+@dataclass(frozen=True, eq=False)
+class ReadingProblem:
+    """Response problem for all readings of a request, with the map from its solution to every reading.
+
+    Attributes
+    ----------
+    problem : ResponseProblem
+    readings : tuple of SolvedTerm
+        Every reading as a single term of the solution.
+    terms : tuple of (SolvedTerm, ...)
+        Of measured inputs, what their size is compared with: the reading written out as terms of motion.
+    applied : (n_readings, n_exc) array
+        The share of applied torques in that.
+    sensed : tuple of int
+        Which of what is solved the actions follow; their torques are the last excitations of the problem.
+    driven : tuple of mapping
+        Action -> factor of its torque in every reading.
+    """
+
+    problem: ResponseProblem
+    readings: tuple[SolvedTerm, ...]
+    terms: tuple[tuple[SolvedTerm, ...], ...]
+    applied: FloatArray
+    sensed: tuple[int, ...] = ()
+    driven: tuple[Mapping[int, Fraction], ...] = ()
+
+    @property
+    def n_excitations(self) -> int:
+        """Number of the request's excitations, in which the torques of actions are not counted."""
+        return len(self.problem.excitations) - len(self.sensed)
+
+    def excitations_reaching(self, reading: int) -> frozenset[int]:
+        """Numbers of the excitations that move a reading at all, directly or by way of actions."""
+        # Excitations by the motion or reaction that they reach: only those are outputs on a tape, numbered
+        # n_excitations * solved + number. All others are zero whatever the stiffnesses.
+        reached: dict[int, set[int]] = {}
+        for excitations, part in self.problem.eliminations:
+            operations = part.planned[1].operations
+            for value in operations[operations[:, 0] == OUTPUT, 1].tolist():
+                place, number = divmod(value, len(excitations))
+                reached.setdefault(place, set()).add(excitations[number])
+        reaching = set(reached.get(self.readings[reading].solved, ()))
+        # Excitations after those of the request are torques of actions, which hand on what they sense.
+        waiting = [*self.driven[reading], *(number - self.n_excitations for number in reaching)]
+        seen: set[int] = set()
+        while waiting:
+            action = waiting.pop()
+            if action < 0 or action in seen:
+                continue
+            seen.add(action)
+            more = reached.get(self.sensed[action], set())
+            reaching |= more
+            waiting += [number - self.n_excitations for number in more]
+        return frozenset(number for number in reaching if number < self.n_excitations)
+
+    @cached_property
+    def in_other_order(self) -> ReadingProblem:
+        """Copy of the response problem that is eliminated in another order, so that its rounding errors differ."""
+        return replace(self, problem=self.problem.in_other_order)
+
+
+def make_reading_problem(
+    assembly: Assembly,
+    outputs: Sequence[Functional],
+    measured: Sequence[Functional],
+    excitations: Sequence[Input],
+    number: Number = float,
+    accuracy: Accuracy = DOUBLE,
+) -> ReadingProblem:
+    """Response problem for outputs and measured inputs under excitations, with coefficients at this accuracy."""
+    readings = [*outputs, *measured]
+    n_given = assembly.system.n_coordinates + len(assembly.kinematics.imposed)
+    twists = dict(enumerate((channel for channel in excitations if channel.is_on_element), n_given))
+    twisted = {law_of_imposed_twist(assembly, channel.of): column for column, channel in twists.items()}
+    rows, gaps = _Rows(assembly, number, twisted), _Gaps()
+    # One term of motion is read from its row, a balance of several torques as the reaction on a gap.
+    solved = [
+        gaps.term(reading) if reading.applied or len(reading.terms) != 1 else rows.term(reading.terms[0])
+        for reading in readings
+    ]
+    terms: list[tuple[SolvedTerm, ...]] = [() for _ in outputs]
+    terms += [tuple(rows.term(term) for term in reading.terms) for reading in measured]
+    sensed = tuple(rows.number_of(assembly.columns_of(action.sensed, number)) for action in assembly.system.actions)
+    columns = dict(enumerate(gaps.opened, n_given + len(twists)))
+    # gamma of every law, with what opening gaps adds to it and imposed twists take from it.
+    rounded = number is float
+    laws = [*assembly.law_columns] if rounded else [assembly.columns_of(row, number) for row in assembly.exact_rows]
+    for column, gap in columns.items():
+        for law, work in gap.laws.items():
+            laws[law] = {**laws[law], column: number(work)}
+    for law, column in twisted.items():
+        laws[law] = {**laws[law], column: number(Fraction(-1))}
+    problem = ResponseProblem(
+        laws,
+        assembly.system.n_coordinates,
+        _loadings(assembly, excitations, columns, twists, number),
+        tuple(rows.rows),
+        tuple(columns),
+        accuracy=accuracy,
+    )
+    applied = np.zeros((len(readings), len(excitations)))
+    for place, reading in enumerate(measured, len(outputs)):
+        for column, channel in enumerate(excitations):
+            applied[place, column] = float(reading.direct(channel.row)) if channel.quantity == "torque" else 0.0
+    # Reactions on gaps stand behind the motions of the solution.
+    solved = [part if part.term else part._replace(solved=len(rows.rows) + part.solved) for part in solved]
+    driven = tuple(reading.actions for reading in readings)
+    return ReadingProblem(problem, tuple(solved), tuple(terms), applied, sensed, driven)
+
+
+def law_of_imposed_twist(assembly: Assembly, element: str) -> int:
+    """Number of the law in which an input imposes the twist of an element. Such an element has only one law."""
+    return assembly.owners.index(element)
+
+
+def _loadings(
+    assembly: Assembly,
+    excitations: Sequence[Input],
+    gaps: Mapping[int, Gap],
+    twists: Mapping[int, Input],
+    number: Number,
+) -> tuple[Loading, ...]:
+    """Unit excitations, then a unit torque of each action, with the torques in N m that they put on gaps."""
+    loadings: list[Loading] = []
+    reduced = assembly.kinematics.reduction.reduced
+    driving: list[Input | ActionLaw] = [*excitations, *assembly.system.actions]
+    for driver in driving:
+        if isinstance(driver, Input) and driver.is_on_element:
+            motion = {column: number(Fraction(1)) for column, twist in twists.items() if twist == driver}
+            loadings.append(Loading(motion=motion))
+            continue
+        # Torques on nodes as torques on coordinates, f = T^T a, and an imposed angle as its own column.
+        nodes: Mapping[str, Fraction | int] = driver.row if isinstance(driver, Input) else driver.nodes
+        row: Mapping[str, Any] = exact_row(reduced(driver.row)) if isinstance(driver, Input) else driver.row
+        columns = assembly.columns_of(row, number)
+        if isinstance(driver, Input) and driver.quantity == "angle":
+            loadings.append(Loading(motion=columns))
+        else:
+            at_gaps = {column: number(work) for column, gap in gaps.items() if (work := gap.work(nodes))}
+            loadings.append(Loading(load={**columns, **at_gaps}))
+    return tuple(loadings)
+
+
+@dataclass
+class _Rows:
+    """Motions to be solved for as rows, in which each motion stands once however many readings share it."""
+
+    assembly: Assembly
+    number: Number
+    twisted: Mapping[int, int]
+    """Column of the imposed twist, by the number of the law in which the twist is imposed."""
+    rows: list[Row] = field(default_factory=list)
+    numbers: dict[frozenset[tuple[int, float]], int] = field(default_factory=dict)
+
+    def term(self, term: Term) -> SolvedTerm:
+        row = self.assembly.columns_of(term.exact, self.number)
+        if term.law is not None and term.law in self.twisted:
+            row = {**row, self.twisted[term.law]: self.number(Fraction(-1))}
+        return SolvedTerm(self.number_of(row), term)
+
+    def number_of(self, row: Row) -> int:
+        """Number of a motion among those to be solved for, which is appended if it is new."""
+        number = self.numbers.setdefault(frozenset(row.items()), len(self.rows))
+        if number == len(self.rows):
+            self.rows.append(row)
+        return number
+
+
+@dataclass
+class _Gaps:
+    """Gaps at the rigid connections whose torques are solved for, each once.
+
+    Torques at ports of one element may be equal up to a factor.
+    """
+
+    opened: list[Gap] = field(default_factory=list)
+    numbers: dict[tuple[frozenset[tuple[Any, Fraction]], ...], int] = field(default_factory=dict)
+
+    def term(self, reading: Functional) -> SolvedTerm:
+        """Term by which a torque is read as one reaction on a gap, so that its exact coefficients cancel."""
+        # With the virtual motion z the balance reads -kappa_i (a_i z) of every law; the column of the gap has +a_i z.
+        laws: dict[int, Fraction] = {}
+        for term in reading.terms:
+            if term.law is not None:
+                laws[term.law] = laws.get(term.law, Fraction(0)) - term.factor
+        # Divided by the first size, equal gaps at several ports are one column.
+        sizes = [*laws.items(), *reading.applied.items()]
+        factor = next((size for _, size in sizes if size), Fraction(1))
+        laws = {law: work / factor for law, work in laws.items() if work}
+        nodes = {node: share / factor for node, share in reading.applied.items() if share}
+        number = self.numbers.setdefault((frozenset(laws.items()), frozenset(nodes.items())), len(self.opened))
+        if number == len(self.opened):
+            self.opened.append(Gap(laws, nodes))
+        return SolvedTerm(number, None, factor)

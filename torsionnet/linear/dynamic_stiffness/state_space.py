@@ -19,8 +19,7 @@ import numpy as np
 from torsionnet.base.errors import UsageError
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.law_stiffness import Functional, functional, powers_of_s
-from torsionnet.linear.assembly.rows import FloatArray, RowSystem
-from torsionnet.linear.assembly.system import Assembly
+from torsionnet.linear.assembly.rows import Assembly, FloatArray, RowSystem
 from torsionnet.linear.dynamic_stiffness.action_states import HIGHEST_POWER, LawStates, law_states
 from torsionnet.linear.dynamic_stiffness.reduction import complement_within
 from torsionnet.linear.dynamic_stiffness.row_algebra import unresisted_motions

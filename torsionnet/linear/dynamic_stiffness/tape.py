@@ -1,4 +1,4 @@
-"""List of simple operations on registers that carries out an elimination, in numpy or in a compiled loop.
+"""Operation tapes: simple operations on registers that carry out an elimination plan, in numpy or in a compiled loop.
 
 A register holds one number for every point. What an operation does with its target t, from registers a and b:
 
@@ -14,19 +14,26 @@ A register holds one number for every point. What an operation does with its tar
 Only what an output needs is on the tape, and a register is used again as soon as what it holds is needed no more: the
 numbers of a walk stay in the cache however large the drivetrain is. In numpy every operation works on a vector of
 frequency points at once.
+
+Weights of loads go forward with the elimination. What is read either comes back along the way, all motions from one
+solution, or goes forward like a load: the dynamic stiffness is symmetric, and with r D^-1 l built up on the way nothing
+has to be kept for a way back. That is the better way for few readings.
 """
 
 from __future__ import annotations
 
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.linear.assembly.law_stiffness import LawStiffness
 from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.linear.dynamic_stiffness.graph_plan import EliminationPlan, EliminationStep
 
 LAW, LAW_SUM, CONSTANT, SUM, PRODUCT, QUOTIENT, INVERSE, OUTPUT = range(8)
 """Codes of the operations on an elimination's tape, each with the meaning listed at the head of the module."""
@@ -154,6 +161,210 @@ axis."""
 
 ONE = TapeQuantity(-1, 1.0)
 """Quantity 1, for which no operation is written."""
+
+
+MOST_FORWARD_READINGS = 2
+"""Largest number of readings that are carried forward with the loads, as that takes fewer operations than
+back-substitution for so few."""
+Key = TypeVar("Key")
+"""Key of a quantity in a table, the number of a slot or of a reading, or of a reading and an excitation."""
+
+
+def make_tape(plan: EliminationPlan) -> Tape:
+    """Operation tape of an elimination plan, whose value n_excitations * reading + excitation is that reading.
+
+    Examples
+    --------
+    >>> from torsionnet.linear.dynamic_stiffness.graph_plan import make_plan
+    >>> tape = make_tape(make_plan([{0: 1.0}, {0: 1.0, 1: -1.0}], 2, [{1: 1.0}], [{}], [{1: 1.0}], ()))
+    >>> len(tape.operations), tape.n_registers
+    (6, 3)
+    """
+    n_read = len(plan.outputs) + len(plan.reactions)
+    taping = (_Forward if n_read <= MOST_FORWARD_READINGS else _Back)(plan)
+    for (reading, excitation), value in taping.read().items():
+        number, name = reading * plan.n_excitations + excitation, taping.writer.name(value)
+        taping.writer.operations.append(Operation(OUTPUT, number, name, 0, value.factor))
+    return taping.writer.tape(n_read * plan.n_excitations)
+
+
+@dataclass(frozen=True)
+class _Eliminated:
+    """Elimination step with the shares kappa_i / S of its rows, and the motion f_v / S in rad by excitation."""
+
+    step: EliminationStep
+    shares: dict[int, TapeQuantity]
+    loads: dict[int, TapeQuantity]
+
+
+class _Taping:
+    """Writer of the part of a tape that both kinds have in common, the elimination of laws and loads.
+
+    ``read`` of either kind gives the values of what is read, by the numbers of reading and excitation.
+    """
+
+    def __init__(self, plan: EliminationPlan) -> None:
+        self.plan, self.writer = plan, Writer()
+        self.links: dict[int, TapeQuantity] = {}
+        self.fresh = set(range(len(plan.sources)))
+        self.weights: list[dict[int, TapeQuantity]] = [{} for _ in range(plan.n_excitations)]
+        for slot, excitation, factor in plan.weights:
+            self._add(self.weights[excitation], slot, TapeQuantity(-1, factor))
+
+    def _add(self, table: dict[Key, TapeQuantity], key: Key, term: TapeQuantity) -> None:
+        table[key] = self.writer.plus(table.get(key), term)
+
+    def _link(self, slot: int, added: TapeQuantity | None = None) -> TapeQuantity:
+        """Dynamic stiffness in N m/rad of a row slot, with a term ``added``, as a quantity of the tape.
+
+        That of laws is not worked out before use.
+        """
+        if slot in self.fresh:
+            self.fresh.discard(slot)
+            if added is None:
+                name = self.writer.new(LAW, b=slot)
+            else:
+                name = self.writer.new(LAW_SUM, self.writer.name(added), slot, added.factor)
+            self.links[slot] = TapeQuantity(name, 1.0)
+        elif added is not None:
+            self.links[slot] = self.writer.plus(self.links.get(slot), added)
+        return self.links[slot]
+
+    def _eliminated(self) -> Iterable[_Eliminated]:
+        """Write the elimination of one coordinate after the other, and yield its shares and the motions of loads."""
+        writer = self.writer
+        for step in self.plan.steps:
+            for slot, parts in step.handed_on:
+                for target, weight in parts:
+                    self._link(target, added=writer.times(self._link(slot), TapeQuantity(-1, weight)))
+            if not (step.shared or step.loads):
+                yield _Eliminated(step, {}, {})
+                continue
+            terms = [self._link(slot) for slot, _ in step.terms]
+            # Pivot S = sum kappa_e a_ev^2 in N m/rad, the total stiffness on the coordinate.
+            pivot = None
+            for term, (_, square) in zip(terms, step.terms, strict=True):
+                pivot = writer.plus(pivot, writer.times(term, TapeQuantity(-1, square)))
+            S = pivot or TapeQuantity(writer.new(CONSTANT, factor=0.0), 1.0)
+            # Shares s_i = kappa_i/S; several of them by one reciprocal, as a product takes less than a quotient.
+            if len(step.shared) > 1:
+                inverse = writer.over(ONE, S)
+                shares = {i: writer.times(terms[i], inverse) for i in step.shared}
+            else:
+                shares = {i: writer.over(terms[i], S) for i in step.shared}
+            # D' = sum_{i<j} factor s_i kappa_j b b^T.
+            for i, j, factor, target in step.pairs:
+                pair = writer.times(writer.times(shares[i], terms[j]), TapeQuantity(-1, factor))
+                self._link(target, added=pair)
+            loads = {}
+            for excitation, weights in enumerate(self.weights):
+                # w[target] += factor s_i w[slot]: loads on the coordinate pass on to other rows ...
+                for slot, i, factor, target in step.passed:
+                    if slot in weights:
+                        passed = writer.times(writer.times(weights[slot], shares[i]), TapeQuantity(-1, factor))
+                        self._add(weights, target, passed)
+                # ... and their sum over S is the motion that they cause on the spot.
+                load = None
+                for slot, factor in step.loads:
+                    if slot in weights:
+                        load = writer.plus(load, writer.times(weights[slot], TapeQuantity(-1, factor)))
+                if load is not None:
+                    loads[excitation] = writer.over(load, S)
+            yield _Eliminated(step, shares, loads)
+
+
+class _Back(_Taping):
+    """Writer of a tape with back-substitution, which gives all motions under one excitation after another."""
+
+    def read(self) -> dict[tuple[int, int], TapeQuantity]:
+        way = list(self._eliminated())
+        values: dict[tuple[int, int], TapeQuantity] = {}
+        for excitation in range(self.plan.n_excitations):
+            motions = self._motions(way, excitation)
+            for reading, value in self._read(motions, excitation):
+                values[reading, excitation] = value
+        return values
+
+    def _motions(self, way: Sequence[_Eliminated], excitation: int) -> dict[int, TapeQuantity]:
+        writer = self.writer
+        motions = {slot: TapeQuantity(-1, given[excitation]) for slot, given in self.plan.given if given[excitation]}
+        # Back along the way: r q = r_v f_v/S + sum_e (kappa_e a_ev/S) b_e q, equation (3.5).
+        for eliminated in reversed(way):
+            for motion in eliminated.step.motions:
+                total = None
+                if motion.load and excitation in eliminated.loads:
+                    total = writer.times(eliminated.loads[excitation], TapeQuantity(-1, motion.load))
+                for i, factor, source in motion.terms:
+                    if source in motions:
+                        part = writer.times(eliminated.shares[i], motions[source])
+                        part = writer.times(part, TapeQuantity(-1, factor))
+                        total = writer.plus(total, part)
+                if total is not None:
+                    motions[motion.slot] = total
+        return motions
+
+    def _read(self, motions: dict[int, TapeQuantity], excitation: int) -> Iterable[tuple[int, TapeQuantity]]:
+        writer = self.writer
+        for number, (slot, factor) in enumerate(self.plan.outputs):
+            if slot in motions:
+                yield number, writer.times(motions[slot], TapeQuantity(-1, factor))
+        for number, reaction in enumerate(self.plan.reactions, len(self.plan.outputs)):
+            total = None
+            # Reaction of a given column, sum_l w_l l_g - sum_e kappa_e a_eg (a_e q).
+            for slot, factor, motion in reaction.laws:
+                if motion in motions:
+                    torque = writer.times(writer.times(self._link(slot), motions[motion]), TapeQuantity(-1, factor))
+                    total = writer.plus(total, torque)
+            for slot, factor in reaction.loads:
+                if slot in self.weights[excitation]:
+                    weight = self.weights[excitation][slot]
+                    total = writer.plus(total, writer.times(weight, TapeQuantity(-1, factor)))
+            if total is not None:
+                yield number, total
+
+
+class _Forward(_Taping):
+    """Writer of a tape with readings carried forward as weights, which the loads meet on the way."""
+
+    def read(self) -> dict[tuple[int, int], TapeQuantity]:
+        writer = self.writer
+        self.carried: dict[int, dict[int, TapeQuantity]] = defaultdict(dict)
+        values: dict[tuple[int, int], TapeQuantity] = {}
+        for number, (slot, factor) in enumerate(self.plan.outputs):
+            self._add(self.carried[slot], number, TapeQuantity(-1, factor))
+        for eliminated in self._eliminated():
+            for motion in eliminated.step.motions:
+                for reading, weight in self._weights_on(motion.slot):
+                    # r q = sum factor s_i (b q): the weight of the motion passes on to those it is made of ...
+                    for i, factor, source in motion.terms:
+                        part = writer.times(weight, eliminated.shares[i])
+                        self._add(self.carried[source], reading, writer.times(part, TapeQuantity(-1, factor)))
+                    # ... and meets f_v / S, what loads do on the spot.
+                    if motion.load:
+                        own = writer.times(weight, TapeQuantity(-1, motion.load))
+                        for e, met in [(e, writer.times(own, load)) for e, load in eliminated.loads.items()]:
+                            self._add(values, (reading, e), met)
+        for slot, given in self.plan.given:
+            for reading, weight in self._weights_on(slot):
+                angles = [(e, TapeQuantity(-1, angle)) for e, angle in enumerate(given) if angle]
+                for e, met in [(e, writer.times(weight, angle)) for e, angle in angles]:
+                    self._add(values, (reading, e), met)
+        for number, reaction in enumerate(self.plan.reactions, len(self.plan.outputs)):
+            for slot, factor in reaction.loads:
+                for excitation, weights in enumerate(self.weights):
+                    if slot in weights:
+                        held = writer.times(weights[slot], TapeQuantity(-1, factor))
+                        self._add(values, (number, excitation), held)
+        return values
+
+    def _weights_on(self, slot: int) -> list[tuple[int, TapeQuantity]]:
+        """Weights by reading with which the motion of this number counts, reactions that depend on it included."""
+        for number, reaction in enumerate(self.plan.reactions, len(self.plan.outputs)):
+            for law, factor, motion in reaction.laws:
+                if motion == slot:
+                    weight = self.writer.times(self._link(law), TapeQuantity(-1, factor))
+                    self._add(self.carried[slot], number, weight)
+        return list(self.carried.pop(slot, {}).items())
 
 
 BLOCK_BYTES = 16 * 2**20

@@ -11,8 +11,8 @@ from torsionnet.base.errors import UsageError, did_you_mean, remedy
 from torsionnet.base.phrases import joined, phrase
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.law_stiffness import Functional, functional
-from torsionnet.linear.assembly.system import Assembly
-from torsionnet.linear.dynamic_stiffness.reading_problem import ReadingProblem, make_reading_problem
+from torsionnet.linear.assembly.rows import Assembly
+from torsionnet.linear.dynamic_stiffness.response_problem import ReadingProblem, make_reading_problem
 from torsionnet.model.channels import UNITS, Input, Sensor, immobility_text, named_nodes, named_sensor, parse_pair
 from torsionnet.model.elements import GROUND, Values
 from torsionnet.model.kinematics import twist_fault

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from torsionnet.base.errors import UsageError
-from torsionnet.linear.assembly.rows import ComplexArray, FloatArray, polynomial
-from torsionnet.linear.assembly.system import Assembly
+from torsionnet.linear.assembly.action_laws import polynomial
+from torsionnet.linear.assembly.rows import Assembly, ComplexArray, FloatArray
 from torsionnet.linear.dynamic_stiffness.many_digits import in_many_digits
 from torsionnet.linear.dynamic_stiffness.reduction import require_resistance
 from torsionnet.linear.modes.active_pencil import (

@@ -21,8 +21,8 @@ from functools import cached_property
 
 import numpy as np
 
-from torsionnet.linear.assembly.rows import ComplexArray, FloatArray, polynomial
-from torsionnet.linear.assembly.system import Assembly
+from torsionnet.linear.assembly.action_laws import polynomial
+from torsionnet.linear.assembly.rows import Assembly, ComplexArray, FloatArray
 from torsionnet.linear.dynamic_stiffness.state_space import first_order
 from torsionnet.linear.modes.exact_pencil import (
     DeflatedColumn,

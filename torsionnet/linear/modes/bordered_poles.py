@@ -26,8 +26,7 @@ from torsionnet.base.errors import UsageError
 from torsionnet.base.expressions import exact
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.law_stiffness import powers_of_s
-from torsionnet.linear.assembly.rows import ComplexArray, FloatArray, refuse_actions
-from torsionnet.linear.assembly.system import Assembly
+from torsionnet.linear.assembly.rows import Assembly, ComplexArray, FloatArray, refuse_actions
 from torsionnet.linear.dynamic_stiffness.reduction import without_empty_laws
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest
 from torsionnet.linear.modes.ehrlich_aberth import minimum_degree_order

@@ -35,8 +35,8 @@ import numpy as np
 
 from torsionnet.base.errors import SolveError
 from torsionnet.base.expressions import exact
-from torsionnet.linear.assembly.rows import ComplexArray, FloatArray, polynomial
-from torsionnet.linear.assembly.system import Assembly
+from torsionnet.linear.assembly.action_laws import polynomial
+from torsionnet.linear.assembly.rows import Assembly, ComplexArray, FloatArray
 from torsionnet.linear.modes.ehrlich_aberth import minimum_degree_order
 from torsionnet.linear.modes.modular_arithmetic import determinant, interpolating_polynomial, primes, residue
 from torsionnet.model.elimination import reduce_rows

@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 from torsionnet.base.conventions import mode_numbers
 from torsionnet.base.phrases import ModelName, joined, phrase
-from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
-from torsionnet.linear.assembly.system import Assembly
+from torsionnet.linear.assembly.rows import Assembly, ComplexArray, FloatArray
 from torsionnet.linear.modes.eigen import RIGID, EigenSolution
 
 LEAST_SHARE = 0.1

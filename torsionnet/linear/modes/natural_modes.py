@@ -21,8 +21,7 @@ from torsionnet.base.errors import SolveError, UsageError, warn_user
 from torsionnet.base.phrases import phrase
 from torsionnet.base.registers import Groups
 from torsionnet.linear.assembly.assembled import AssembledModel
-from torsionnet.linear.assembly.rows import ActionLaw, ComplexArray, FloatArray, Rows, RowSystem
-from torsionnet.linear.assembly.system import Assembly
+from torsionnet.linear.assembly.rows import Assembly, ComplexArray, FloatArray, Rows, RowSystem
 from torsionnet.linear.dynamic_stiffness.reduction import LARGE_SYSTEM, require_resistance
 from torsionnet.linear.modes.eigen import (
     RIGID,
@@ -45,6 +44,7 @@ from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import GROUND, Element
 
 if TYPE_CHECKING:
+    from torsionnet.linear.assembly.action_laws import ActionLaw
     from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest
 
 ModesAndWarnings: TypeAlias = tuple[Modes, tuple[str, ...]]

@@ -14,11 +14,12 @@ from torsionnet.base.errors import UsageError, did_you_mean
 from torsionnet.base.packages import SavedResult
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table
+from torsionnet.linear.assembly.action_laws import ActionLaw
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.law_stiffness import law_stiffness
-from torsionnet.linear.assembly.rows import ActionLaw, ComplexArray, FloatArray
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.dynamic_stiffness.quotient import respond
-from torsionnet.linear.dynamic_stiffness.reading_problem import make_reading_problem
+from torsionnet.linear.dynamic_stiffness.response_problem import make_reading_problem
 from torsionnet.linear.modes.natural_modes import natural_modes
 
 STABLE_NOTE = "the drivetrain is stable"

@@ -19,8 +19,7 @@ from numpy.typing import ArrayLike
 from torsionnet.base.errors import FreeTurningWarning, SolveError, TorsionnetWarning, UsageError, warn_user
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.law_stiffness import LawStiffness, law_stiffness
-from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
-from torsionnet.linear.assembly.system import Assembly
+from torsionnet.linear.assembly.rows import Assembly, ComplexArray, FloatArray
 from torsionnet.linear.dynamic_stiffness.quotient import (
     METHODS,
     NOTHING,

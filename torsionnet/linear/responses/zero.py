@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 
 from torsionnet.linear.assembly.assembled import AssembledModel
-from torsionnet.linear.assembly.rows import ComplexArray
-from torsionnet.linear.assembly.system import smallest_rate
+from torsionnet.linear.assembly.rows import ComplexArray, smallest_rate
 from torsionnet.linear.dynamic_stiffness.many_digits import ManyDigits
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest
 

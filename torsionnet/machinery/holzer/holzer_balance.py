@@ -19,8 +19,7 @@ import numpy as np
 
 from torsionnet.base.errors import SolveError
 from torsionnet.linear.assembly.assembled import AssembledModel
-from torsionnet.linear.assembly.rows import FloatArray, refuse_actions
-from torsionnet.linear.assembly.system import Assembly
+from torsionnet.linear.assembly.rows import Assembly, FloatArray, refuse_actions
 from torsionnet.model.elements.shaft import Shaft
 
 Coefficients = Mapping[str, float]

@@ -17,7 +17,7 @@ from torsionnet.linear.assembly.rows import ComplexArray
 from torsionnet.linear.assembly.table_range import range_notes
 from torsionnet.linear.batch.batch import Batch
 from torsionnet.linear.batch.batched_responses import responses_at_own_frequencies
-from torsionnet.linear.dynamic_stiffness.reading_problem import law_of_imposed_twist
+from torsionnet.linear.dynamic_stiffness.response_problem import law_of_imposed_twist
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, cached_request, stress_section_moduli
 from torsionnet.linear.frequency_response import Channel, FloatArray
 from torsionnet.linear.responses.shared_response import named, shared_by_conditions, shared_response

@@ -229,34 +229,27 @@ def unusual_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
     for name, element in definition.elements.items():
         for entry, (spec, value) in element.scalars().items():
             path: EntryPath = ("elements", name, entry)
+            text, meant = "", ""
             if isinstance(value, DampingMeasure):
                 text, meant = _percent(value, numbers)
                 path = (*path, value.measure)
             elif isinstance(spec, LossFactor):
                 text, meant = _percent(DampingMeasure("eta", value, None), numbers)
             elif isinstance(spec, QuantityKind) and (usual := spec.usual or USUAL_SIZES.get(spec.dimension)):
-                text, meant = _unusual(entry, spec, value, numbers, usual)
-            else:
-                continue
+                size, (low, high) = _size(value, numbers), usual
+                if not size or low <= abs(size) <= high:
+                    continue
+                unit = expected_unit(spec.dimension)
+                text = f"{entry.replace('_', ' ')} of {size:g} {unit}: usual are {low:g} to {high:g} {unit}"
+                # A number without unit may be meant in that of drawings.
+                likely, factor = LIKELY_UNITS.get(spec.dimension, ("", 1.0))
+                bare = isinstance(value, Number) and value.unit_dimension is None
+                if likely and bare and low <= size * factor <= high:
+                    meant = f"{size:g} {likely}"
+                    text = f'{text}; a number without unit is in {unit}: did you mean "{meant}"?'
             if text:
                 faults.append(Fault(text, path, "warning", meant=meant, kind="implausible-size"))
     return faults
-
-
-def _unusual(
-    entry: str, spec: QuantityKind[object], value: Expression, numbers: Numbers, usual: tuple[float, float]
-) -> tuple[str, str]:
-    """Message on a value of unusual size, and the value probably meant; both empty where it is usual."""
-    size = _size(value, numbers)
-    if size is None or size == 0 or usual[0] <= abs(size) <= usual[1]:
-        return "", ""
-    low, high = usual
-    unit = expected_unit(spec.dimension)
-    text = f"{entry.replace('_', ' ')} of {size:g} {unit}: usual are {low:g} to {high:g} {unit}"
-    likely, factor = LIKELY_UNITS.get(spec.dimension, ("", 1.0))
-    bare = isinstance(value, Number) and value.unit_dimension is None
-    meant = f"{size:g} {likely}" if likely and bare and low <= size * factor <= high else ""
-    return f'{text}; a number without unit is in {unit}: did you mean "{meant}"?' if meant else text, meant
 
 
 def _percent(value: DampingMeasure, numbers: Numbers) -> tuple[str, str]:

@@ -13,8 +13,8 @@ from torsionnet.model.configurations import DEFAULT_AXIS
 from torsionnet.model.definition import Definition
 from torsionnet.model.parts.flattening import SECTIONS, flatten_parts
 from torsionnet.model.parts.part import Part
-from torsionnet.model.parts.part_entries import USE
 from torsionnet.model.parts.use import Use
+from torsionnet.model.sections import USE
 
 
 @dataclass(frozen=True)

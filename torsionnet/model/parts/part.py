@@ -14,7 +14,6 @@ from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.configurations import Overlay
 from torsionnet.model.elements import Element
 from torsionnet.model.parameters import Parameter
-from torsionnet.model.parts.part_entries import PORTS, USE
 from torsionnet.model.parts.use import Use
 
 if TYPE_CHECKING:
@@ -30,12 +29,12 @@ class Part(Declared):
     article: ClassVar[str] = "a part"
     form: ClassVar[str] = "{ports: [inner, outer], parameters: {k: 9 kN*m/rad}, elements: {...}}"
 
-    ports: tuple[str, ...] = entry(PORTS)
+    ports: tuple[str, ...] = entry(sections.PORTS)
     source: str = entry(Text("where the numbers come from"), "")
     description: str = entry(Text("what the part is"), "")
     parameters: Mapping[str, Parameter] = entry(sections.PARAMETERS, None)
     elements: Mapping[str, Element] = entry(sections.ELEMENTS, None)
-    use: Mapping[str, Use] = entry(USE, None)
+    use: Mapping[str, Use] = entry(sections.USE, None)
     inputs: Mapping[str, Input] = entry(sections.INPUTS, None)
     sensors: Mapping[str, Sensor] = entry(sections.SENSORS, None)
     configurations: Mapping[str, Mapping[str, Overlay]] = entry(sections.CONFIGURATIONS, None)
