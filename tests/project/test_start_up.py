@@ -158,7 +158,7 @@ class TestCore:
 
     def test_what_the_calls_load_and_pass_stays_bounded(self):
         four, response = use_of(FOUR_CALLS), use_of(ONE_RESPONSE)
-        assert len(four.loaded) <= 99
-        assert four.code_lines <= 12_800
-        assert len(response.functions) <= 330
-        assert len(response.files) <= 50
+        assert len(four.loaded) <= 92
+        assert four.code_lines <= 12_760
+        assert len(response.functions) <= 326
+        assert len(response.files) <= 46
