@@ -154,6 +154,13 @@ class TestMeanTorque:
         # Under gamma = a cos(w t) a loss is an imaginary part above zero: the torque leads.
         assert complex(first) == pytest.approx(loop.stiffness, rel=3e-3)
 
+    @pytest.mark.parametrize(("friction", "rpm"), [(0.12, 3000), (0.4, 1000)])
+    def test_is_none_where_none_is_asked_for(self, friction, rpm):
+        """Coils that stay where the first loading left them pull 1.1 and 7.6 N m down about no twist."""
+        loop = loop_at_torque(springs(rpm, friction_coefficient=friction), math.radians(2), 0.0)
+        assert abs(loop.mean_torque) < 1e-4
+        assert loop.mean_twist > 0
+
     def test_slopes_are_those_of_a_stiffness_that_grows_with_all_forces_alike(self):
         """Stiffness, mass and torque in half as large units: by Euler, sum x dk/dx = k over these three."""
         given = [700.0, 2.6, 0.12, 0.9, 0.11, 100 * math.pi, math.radians(10), 276.2278]

@@ -72,10 +72,11 @@ def _marched(springs: ArcSprings, amplitude: float, mean_torque: float) -> SlowL
     segments = min(MOST_SEGMENTS, max(segments, segments_needed(max(depth, 1 / segments), LOSS_SHARE)))
 
     def over(twist: float) -> float:
-        # About no twist the loop is its own mirror image, but for what the first loading leaves in coils.
-        return (marched_loop(springs, amplitude, twist, segments).mean_torque if twist else 0.0) - mean_torque
+        return marched_loop(springs, amplitude, twist, segments).mean_torque - mean_torque
 
-    # The mean torque rises with the mean twist, also in steps.
+    # The mean torque rises with the mean twist, also in steps. About no twist it is below none, as coils stay where
+    # the first loading left them, or none.
     highest = springs.first_twist(mean_torque) + 2 * amplitude
-    mean_twist = brentq(over, 0.0, highest, rtol=SAME_TWIST) if mean_torque else 0.0
+    below = over(0.0) < -SAME_TWIST * springs.stiffness * amplitude
+    mean_twist = brentq(over, 0.0, highest, rtol=SAME_TWIST) if below else 0.0
     return marched_loop(springs, amplitude, mean_twist, segments)
