@@ -13,6 +13,7 @@ from torsionnet.base.errors import UsageError
 from torsionnet.identification.orders.order_block import OrderBlock, reference_angles, with_shared_orders
 from torsionnet.identification.orders.order_lines import parts_by_phase
 from torsionnet.identification.orders.parametric_orders import numbers_of_excitations
+from torsionnet.identification.residuals.equation_block import EquationBlock
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.residuals.measurement_blocks import make_block
@@ -92,9 +93,12 @@ class FitProblem:
     _known: tuple[bytes, tuple[FloatArray, FloatArray]] | None = field(default=None, init=False, repr=False)
 
     def learn_noise(self, values: FloatArray) -> None:
-        """Weigh records, and responses of unknown noise, by the noise in what the model leaves unexplained of them."""
+        """Weigh records, and responses of unknown noise, by the noise in what the model leaves unexplained of them.
+
+        Equations of motion take that of their sensors at the values.
+        """
         for block, place in zip(self.blocks, self.unknown_indices, strict=True):
-            if isinstance(block, ResponseBlock) and block.noise_is_unknown:
+            if isinstance(block, EquationBlock) or (isinstance(block, ResponseBlock) and block.noise_is_unknown):
                 block.learn_noise(values[place])
         records = [
             (block, values[place])
@@ -193,7 +197,7 @@ class FitProblem:
     @property
     def has_records(self) -> bool:
         """Whether any measurement is a record of signals (or a response with its record)."""
-        return any(isinstance(block, RecordBlock) for block in self.blocks)
+        return any(isinstance(block, RecordBlock | EquationBlock) for block in self.blocks)
 
     @property
     def has_equations(self) -> bool:

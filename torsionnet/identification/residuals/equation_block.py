@@ -270,17 +270,16 @@ class EquationBlock(MeasurementBlock):
         shape = (len(rows), len(self.motion.twist) + 2 * edge)
         return scipy.sparse.csr_array((rows.ravel(), (places + edge).ravel(), ends), shape)
 
-    def _noise(self, values: FloatArray) -> FloatArray:
+    def _noise(self, numbers: FloatArray, gain: float = 1.0) -> FloatArray:
         """Covariance (n_b, n_b) of the equations by the noise of twist and torque, N^2 m^2."""
-        motion, rest = self.motion, self.equation.rest(values.tolist())
+        motion, rest = self.motion, self.equation.rest(numbers.tolist())
         by_twist, by_torque = motion.noise
-        # Twists of the laws are those measured over p.
-        p = abs(rest.output)
+        # Twists of the laws are those measured over p, which the gain of the channel is in.
+        output = gain * rest.output
+        p = abs(output)
         turning, shift = motion.turning / p, max(by_twist, 1e-6 * float(np.ptp(motion.twist))) / p
         ends = [
-            self.equation.torque(
-                values.tolist(), self._followed / rest.output + move, motion.rate / rest.output, motion.step
-            )
+            self.equation.torque(numbers.tolist(), self._followed / output + move, motion.rate / output, motion.step)
             for move in (shift, -shift)
         ]
         tangent = (ends[0] - ends[1]) / (2 * shift)
@@ -292,9 +291,7 @@ class EquationBlock(MeasurementBlock):
         # Friction turns when the rate does, which is differenced from the noise, too.
         move = np.hypot(motion.ripple / CLEAR_OF_NOISE / p, turning) + np.finfo(float).tiny ** 0.5
         faster, slower = (
-            self.equation.torque(
-                values.tolist(), self._followed / rest.output, motion.rate / rest.output + way, motion.step
-            )
+            self.equation.torque(numbers.tolist(), self._followed / output, motion.rate / output + way, motion.step)
             for way in (move, -move)
         )
         slope = (faster - slower) / (2 * move)
@@ -334,12 +331,18 @@ class EquationBlock(MeasurementBlock):
         del values
         return 0.0  # far below the time of a reversal
 
+    def learn_noise(self, values: FloatArray) -> None:
+        """Weigh by the noise of twist and torque at the stiffness, and across turns of the friction, of values."""
+        self.covariance = self._noise_at(values)
+
     def measured_noise(self, values: FloatArray) -> Noise | None:
         """Noise as twist and torque have it from sample to sample, at the stiffness found."""
-        numbers = values[: len(self.response.names)]
-        scale = self._scale(self.equation.rest(numbers.tolist()), self._channel(values))
-        variances = np.diag(self._noise(numbers)) * scale**2
-        return Noise(variances / np.diag(self.covariance), float(len(self.motion.twist)))
+        return Noise(np.diag(self._noise_at(values)) / np.diag(self.covariance), float(len(self.motion.twist)))
+
+    def _noise_at(self, values: FloatArray) -> FloatArray:
+        numbers, extra = values[: len(self.response.names)], self._channel(values)
+        scale = self._scale(self.equation.rest(numbers.tolist()), extra)
+        return self._noise(numbers, extra.get("gain", 1.0)) * scale**2
 
     def take_measured_noise(self, noise: Noise) -> None:
         size = np.sqrt(noise.ratio)
