@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 import scipy
-from support.loop_records import backlash_record, stage_record
+from support.loop_records import backlash_record, loop_record, stage_record, staged
 
 import torsionnet as tn
 from torsionnet.base.errors import UsageError
+from torsionnet.identification.fit_problem import make_problem
+from torsionnet.identification.unknown_parameter import read_unknowns
 from torsionnet.signals import Recording, Signal
 
 DECAY = {"k": 140.0, "c": 0.06, "M": 0.35}
@@ -65,6 +67,15 @@ def test_a_decay_tells_spring_damping_and_friction(noise):
     assert not fit.lack_of_fit.rejected
 
 
+def test_weights_are_those_of_the_result_not_of_the_start():
+    """A third of the friction at the start makes its turns a ninth as uncertain: five half swings take few equations."""
+    time, true = np.arange(0, 0.5, 1 / RATE), DECAY | {"M": 1.5}
+    record = of_twist(decaying(time, **true) + np.random.default_rng(1).normal(0, NOISE, len(time)))
+    far, near = (fitted(decay_model(**start), record, ["k", "M"]) for start in (true | {"M": 0.5}, true))
+    for name, error in near.standard_errors.items():
+        assert far.standard_errors[name] == pytest.approx(error, rel=0.02), name
+
+
 def test_a_decay_without_a_torque_does_not_tell_its_scale():
     """Stiffness, damping, friction and inertia that are all smaller by one factor move alike."""
     time = np.arange(0, 1, 1 / RATE)
@@ -92,6 +103,48 @@ def test_a_loop_tells_stages_and_friction():
     for name, value in STAGES.items():
         assert abs(fit.values[name] - value) < 4 * fit.standard_errors[name], name
         assert 0.3 * SCATTER[name] < fit.standard_errors[name] / value < 2 * SCATTER[name], name
+
+
+def sines(*frequencies, inertia=0.045, amplitudes=(0.25, 0.25), rate=400.0):
+    """Record of the stages with friction at sines one behind the other, seen by a meter behind an inertia."""
+    runs = []
+    for hertz, amplitude in zip(frequencies, amplitudes, strict=False):
+        phase = 2 * np.pi * hertz * np.arange(round(4 * rate / hertz)) / rate
+        twist = -amplitude * np.cos(phase)
+        bent = amplitude * (2 * np.pi * hertz) ** 2 * np.cos(phase)
+        runs.append((twist, staged(twist) + 6.0 * np.sign(np.sin(phase)) + inertia * bent))
+    twist, torque = np.concatenate(runs, axis=1)
+    noise = np.random.default_rng(1).normal(size=(2, len(twist)))
+    return loop_record(torque + 0.2 * noise[0], twist + 2e-5 * noise[1], rate)
+
+
+@pytest.mark.parametrize(
+    ("record", "told"),
+    [
+        (sines(1.5), "1.5 Hz"),
+        (sines(1.5, 1.5, amplitudes=(0.25, 0.1)), "1.5 Hz"),
+        (sines(1.5, 4.0), ""),
+        (stage_record(3), ""),  # a triangle has its inertia at the corners alone
+    ],
+    ids=["one", "two amplitudes", "two", "triangle"],
+)
+def test_one_frequency_does_not_tell_inertia_from_stiffness(record, told):
+    test = tn.Measurement(record, "gamma", "T", equations=True, name="test")
+    block = make_problem(stages(**STAGES), [test], read_unknowns(["k1"]), "complex").blocks[0]
+    assert ("k is not told from k - J w^2" in block.remark, told in block.remark) == (bool(told), True)
+
+
+@pytest.mark.slow
+def test_inertia_of_the_moving_side_is_named_and_found_by_two_frequencies():
+    """It lowers all stiffnesses by 4 and 28 N m/rad at 1.5 and 4 Hz."""
+    model, record = stages(k1=430, k2=1600, g1=0.11, M=4.0), sines(1.5, 4.0)
+    wrong = fitted(model, record, list(STAGES), "T").lack_of_fit
+    assert wrong.rejected
+    assert [one.kind for one in wrong.explanations] == ["moving_inertia"]
+    fit = fitted(model, record, list(STAGES), "T", moving_inertia=True)
+    assert fit.values["moving_inertia[test]"] == pytest.approx(0.045, rel=0.01)
+    for name, value in STAGES.items():
+        assert fit.values[name] == pytest.approx(value, rel=2e-3), name
 
 
 def test_contacts_over_free_play_are_not_flattened_by_noise_of_the_twist():

@@ -38,7 +38,7 @@ REPLACED_FIELDS = {"hysteretic": "damping", "viscous": "loss_factor", "ratio": "
 FIRST_FRICTION, FIRST_STAGE = 0.02, 0.1
 """Shares of the torque and of the stiffness of a test at which the search for friction or a stage left out begins."""
 
-CHANNEL_CAUSES = ("delay", "gain", "reference_angle")
+CHANNEL_CAUSES = ("delay", "gain", "reference_angle", "moving_inertia")
 """Names of the causes of a misfit that are unknowns of a measuring channel."""
 BETWEEN = "between"
 """Kind, and name of the unknown, of a cause that is another course of the input between samples."""
@@ -50,8 +50,8 @@ class Cause:
 
     Attributes
     ----------
-    kind : {"delay", "gain", "reference_angle", "hysteretic", "viscous", "ratio", "value", "misfire", "gas_torque",
-        "between", "friction", "stage"}
+    kind : {"delay", "gain", "reference_angle", "moving_inertia", "hysteretic", "viscous", "ratio", "value",
+        "misfire", "gas_torque", "between", "friction", "stage"}
     unknown : str
         Name of the additional unknown: ``I_2``, ``dmf.loss_factor``, ``delay``, ``engine.misfire_share.4``. A course
         between samples frees none.
@@ -98,7 +98,9 @@ def possible_causes(problem: FitProblem) -> tuple[Cause, ...]:
     """Causes of a misfit that can be tried in a fit, those that are not among its unknowns already."""
     free = {extra for block in problem.blocks for extra in block.extra}
     has_phases = any(block.line_orders is not None and block.has_phase for block in problem.blocks)
-    asked = CHANNEL_CAUSES if has_phases else CHANNEL_CAUSES[:2]
+    asked = CHANNEL_CAUSES[: 3 if has_phases else 2]
+    if any(isinstance(block, EquationBlock) and block.without_mass for block in problem.blocks):
+        asked += ("moving_inertia",)
     channel = [Cause(name, name) for name in asked if name not in free]
     rigs = [block.response.drivetrain for block in problem.blocks]
     over_time = any(isinstance(block, EquationBlock) for block in problem.blocks)  # where a loss factor has no torque
@@ -279,8 +281,9 @@ def with_causes(problem: FitProblem, causes: Sequence[Cause], values: FloatArray
 
 def _flagged(block: MeasurementBlock, flags: Mapping[str, Any]) -> Measurement:
     """Measurement with the causes of its channel; only an input with samples has a course between them."""
-    runs = block.course is not None
-    return replace(block.measurement, **{name: flag for name, flag in flags.items() if runs or name != BETWEEN})
+    lacks = [] if block.course is not None else [BETWEEN]
+    lacks += [] if block.measurement.equations else ["moving_inertia"]
+    return replace(block.measurement, **{name: flag for name, flag in flags.items() if name not in lacks})
 
 
 def _acts(problem: FitProblem, name: str) -> bool:

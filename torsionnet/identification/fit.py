@@ -145,7 +145,7 @@ def _has_peaks(response: ComplexArray) -> bool:
 SINGULAR_RATIO = 1e-9
 """Singular value of the scaled derivatives, over the largest, below which the data do not determine a combination of
 parameters, as less is rounding."""
-EXTRA_UNITS = {"delay": "s", "gain": "", "reference_angle": "rad"}
+EXTRA_UNITS = {"delay": "s", "gain": "", "reference_angle": "rad", "moving_inertia": "kg*m^2"}
 UNDETERMINED_VARIANCE_RATIO = 1e12
 """Variance that an undetermined combination of parameters is given, over the total variance, so large that it dominates
 the correlation."""

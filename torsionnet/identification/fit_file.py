@@ -29,7 +29,7 @@ from torsionnet.signals.welch import Welch
 SAME_ENTRIES = (
     "output", "input", "model_output", "model_input", "excitation", "band", "excluded", "delay", "gain", "reference",
     "settling", "error", "orders_used", "speeds", "speed_of", "reference_angle", "between",
-    "equations",
+    "equations", "moving_inertia",
 )  # fmt: skip
 """Entries of a measurement in a fit file that a :class:`Measurement` takes under the same name."""
 OPTIONS = ("residual", "loss", "starts")

@@ -26,7 +26,7 @@ from torsionnet.linear.assembly.rows import FloatArray
 
 CHANNEL_UNKNOWNS = {
     "delay": (0.0, (-np.inf, np.inf), "s"), "gain": (1.0, (-np.inf, np.inf), ""),
-    "reference_angle": (0.0, (-np.inf, np.inf), "rad"),
+    "reference_angle": (0.0, (-np.inf, np.inf), "rad"), "moving_inertia": (0.0, (-np.inf, np.inf), "kg*m^2"),
 }  # fmt: skip
 LEAST_FREE_SHARE = 1e-3
 """Share of a residual's variance that the fit leaves it at least, so that a line that decides alone says no noise."""

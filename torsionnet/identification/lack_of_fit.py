@@ -124,8 +124,8 @@ class Explanation:
 
     Attributes
     ----------
-    kind : {"delay", "gain", "reference_angle", "hysteretic", "viscous", "ratio", "value", "misfire", "gas_torque",
-        "between", "friction", "stage"}
+    kind : {"delay", "gain", "reference_angle", "moving_inertia", "hysteretic", "viscous", "ratio", "value",
+        "misfire", "gas_torque", "between", "friction", "stage"}
     of : str
         The signal that is late, too large or turned, the element with another kind of damping or with friction or a
         stage left out, the value set free, or the cylinder that misfires.
@@ -256,6 +256,7 @@ ADVICE_BY_CAUSE = {
     "hysteretic": "give the spring a loss factor instead of a viscous damping",
     "viscous": "give the spring a viscous damping instead of a loss factor",
     "reference_angle": "find it along (reference_angle: true), or correct where the reference stands",
+    "moving_inertia": "give it to the model, or find it along (moving_inertia: true)",
     "misfire": "look at its injection, or find the share along",
     "gas_torque": "look at its injection, or find the factor along",
     "ratio": "look for other teeth, or correct the ratio",
@@ -318,6 +319,8 @@ def cause_in_words(kind: str, of: str, value: float, before: float | None, betwe
         return f"a gain of {value:.4g} in {of}{' (a channel is reversed)' * (value < 0)}"
     if kind == "reference_angle":
         return f"a reference angle of {math.degrees(value):.4g} deg in {of}"
+    if kind == "moving_inertia":
+        return f"an inertia of {value:.3g} kg*m^2 that moves between the torque and {of}"
     if kind == "misfire":
         return f"a misfire of {of} ({100 * value:.3g} % of its injection lost)"
     if kind == "gas_torque":

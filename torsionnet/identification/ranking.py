@@ -48,8 +48,8 @@ class RankedCause:
 
     Attributes
     ----------
-    kind : {"delay", "gain", "reference_angle", "hysteretic", "viscous", "ratio", "value", "misfire", "gas_torque",
-        "between", "friction", "stage"}
+    kind : {"delay", "gain", "reference_angle", "moving_inertia", "hysteretic", "viscous", "ratio", "value",
+        "misfire", "gas_torque", "between", "friction", "stage"}
     of : str
         The value, the signals of a gain, delay or reference angle, the element with another kind of damping, or the
         cylinder that misfires.

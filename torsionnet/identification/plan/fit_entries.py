@@ -92,7 +92,8 @@ class FitMeasurement(Declared):
     form: ClassVar[str] = "{record: FILE, output: ..., input: ...}"
     SOURCES: ClassVar[tuple[str, ...]] = ("record", "response", "orders", "stepped")
     NOT_OF_ORDERS: ClassVar[tuple[str, ...]] = (
-        "input", "model_input", "excitation", "reference", "settling", "pulses", "between", "equations", "reading",
+        "input", "model_input", "excitation", "reference", "settling", "pulses", "between", "equations",
+        "moving_inertia", "reading",
     )  # fmt: skip
     ONLY_OF_ORDERS: ClassVar[tuple[str, ...]] = ("orders_used", "speeds", "speed_of", "reference_angle")
 
@@ -143,6 +144,9 @@ class FitMeasurement(Declared):
     equations: bool = entry(
         Flag("compare the equation of motion over short times, with laws of motion in full: loops, decays, rattling"),
         False,
+    )
+    moving_inertia: bool = entry(
+        Flag("find the inertia along that moves between torque and twist, of equations of motion"), False
     )
     reading: FileReading | None = entry(READING, None)
 

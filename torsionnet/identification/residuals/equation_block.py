@@ -52,6 +52,12 @@ JUMPS = 0.3
 """Standard deviation of what friction that turns adds to the rate, over what is known of it."""
 OTHER = 0.01
 """Variance that sampling and smoothing leave in each equation by itself, over that by noise."""
+ONE_FREQUENCY = 0.02
+"""Share of a twist up to which it may miss a motion of one frequency."""
+SAME_FREQUENCY = 1.05
+"""Ratio of the frequencies of parts of a record up to which they are one."""
+NOTED_SHARE = 0.005
+"""Share of the stiffness for which the inertia that would take it is told."""
 TOO_SHORT = "the twist does not move for long enough to compare it with the equation of motion"
 DIFFERENCE = 1e-5
 """Relative step of the unknowns by which residuals are differenced."""
@@ -98,6 +104,25 @@ class MeasuredMotion:
     width: int
     rate_width: int
     half_period: int
+
+    @property
+    def frequency(self) -> float:
+        """Frequency in Hz of a motion that has one, whatever its amplitudes; 0: it has several."""
+        pieces = max(1, min(PARTS, len(self.twist) // (4 * self.half_period)))
+        found = [self._frequency(piece) for piece in np.array_split(self.twist, pieces)]
+        clear = [frequency for frequency in found if frequency]
+        one = len(clear) > pieces / 2 and max(clear) < SAME_FREQUENCY * min(clear)
+        return float(np.median(clear)) if one else 0.0
+
+    def _frequency(self, twist: FloatArray) -> float:
+        around, time = twist - twist.mean(), np.linspace(-1, 1, len(twist))
+        # gamma'' = -w^2 (gamma - m) integrated twice, so that noise does not count, beside a mean that moves.
+        twice = np.r_[0.0, np.cumsum(np.cumsum(around))[:-1]] * self.step**2
+        columns = np.stack([twice / np.abs(twice).max(), *(time**n for n in range(4))], axis=1)
+        sizes = np.linalg.lstsq(columns, around, rcond=None)[0]
+        left, square = float(np.std(around - columns @ sizes)), -float(sizes[0] / np.abs(twice).max())
+        one = left < np.hypot(ONE_FREQUENCY * float(np.std(around)), 2 * self.noise[0])
+        return float(np.sqrt(square)) / (2 * np.pi) if one and square > 0 else 0.0
 
     @classmethod
     def of(cls, twist: FloatArray, torque: FloatArray, step: float) -> MeasuredMotion:
@@ -182,6 +207,24 @@ class EquationBlock(MeasurementBlock):
         return np.abs(self.motion.smooth[np.r_[turns, np.argmax(np.abs(self.motion.smooth))]])
 
     @property
+    def without_mass(self) -> bool:
+        """Whether no inertia moves in the model, under a torque that is measured."""
+        return self.equation.drives and not self.equation.rest_at_start.inertia
+
+    @property
+    def remark(self) -> str:
+        frequency = self.motion.frequency if self.without_mass else 0.0
+        if not frequency:
+            return ""
+        stiffness, omega = self.typical[2], 2 * np.pi * frequency
+        text = (
+            f"at one frequency, {frequency:.3g} Hz, a stiffness k is not told from k - J w^2 of an inertia that moves "
+            f"between torque and twist: {NOTED_SHARE * stiffness / omega**2:.2g} kg*m^2 would take "
+            f"{100 * NOTED_SHARE:g} %; record a second frequency, or give the model the inertia"
+        )
+        return f"{self.measurement.label}: {text}"
+
+    @property
     def typical(self) -> tuple[float, float, float]:
         """Torque in N m, twist in rad and stiffness in N m/rad that are typical of the record."""
         torque, twist = float(np.abs(self.measured).max()) / 2, float(np.ptp(self.motion.twist)) / 4
@@ -254,7 +297,16 @@ class EquationBlock(MeasurementBlock):
         for number, factor in enumerate((rest.stiffness, -rest.damping, rest.inertia), 1):
             if factor:
                 terms = terms + factor * self._bumped(twist, number)
+        if moving := extra.get("moving_inertia", 0.0) / (extra.get("gain", 1.0) * rest.output):
+            # Bumps of slow loops have no derivatives.
+            terms = terms + moving * self._bumped(self._acceleration, 0)
         return np.asarray(terms)
+
+    @cached_property
+    def _acceleration(self) -> FloatArray:
+        """Second derivative (n,) of the twist in rad/s^2, of which polynomials of order 5 take hardly any away."""
+        motion = self.motion
+        return np.asarray(scipy.signal.savgol_filter(motion.twist, max(motion.rate_width, 7), 5, 2, motion.step))
 
     def _bumped(self, signal: FloatArray, number: int) -> FloatArray:
         return np.asarray(np.correlate(signal, self.bumps[number], "valid")[self.places])

@@ -87,6 +87,9 @@ class Measurement:
     reference_angle : bool, optional
         Whether the angle is found along by which the test's reference comes after the zero of the model's angle of
         rotation, rad.
+    moving_inertia : bool, optional
+        Whether the inertia is found along that moves between the torque measured and the element, kg m^2, where
+        ``equations`` are compared. One frequency does not tell it from the stiffness.
     """
 
     data: Recording | FrequencyResponse | SteppedStiffness | TrackedOrders | Sequence[MeasuredOrder]
@@ -111,6 +114,7 @@ class Measurement:
     reference_angle: bool = False
     between: str | None = None
     equations: bool = False
+    moving_inertia: bool = False
 
     def __post_init__(self) -> None:
         if not isinstance(self.data, Recording | FrequencyResponse | SteppedStiffness):
@@ -124,6 +128,8 @@ class Measurement:
             raise UsageError("name the output and the input of a record or response", kind="missing-entry")
         if self.equations:
             self._check_equations()
+        elif self.moving_inertia:
+            raise UsageError("moving_inertia belongs to equations of motion; leave it out", kind="needless-entry")
         if self.between:
             check_between(self.between)
             if isinstance(self.data, SteppedStiffness):

@@ -257,12 +257,13 @@ class MeasurementBlock(ABC):
 
     @property
     def extra(self) -> tuple[str, ...]:
-        """Names of the channel's unknowns (delay, gain, reference angle), which follow the parameters in the values."""
+        """Names of the channel's unknowns (delay, gain, angle, inertia), which follow the parameters in the values."""
         measurement = self.measurement
         asked = {
             "delay": measurement.delay,
             "gain": measurement.gain,
             "reference_angle": measurement.reference_angle and measurement.has_orders,
+            "moving_inertia": measurement.moving_inertia,
         }
         return tuple(name for name, wanted in asked.items() if wanted)
 
