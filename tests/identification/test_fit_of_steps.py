@@ -295,10 +295,15 @@ measurements:
 """
 
 
-def test_torque_over_twist_of_an_element_from_a_file(tmp_path):
-    """The torque follows the twist sample by sample, on both stages; no inertia of the model comes in."""
+@pytest.mark.parametrize("third", [0.0, 0.12])
+def test_torque_over_twist_of_an_element_from_a_file(tmp_path, third):
+    """The torque follows the twist sample by sample, on both stages; no inertia of the model comes in.
+
+    Of a twist with a third harmonic, describing functions make the break 4 % too small.
+    """
     t = np.arange(0, 16, 1e-3)
-    twist = np.repeat([0.05, 0.13, 0.2, 0.3], 4000) * np.sin(2 * np.pi * 4.0 * t)
+    phase = 2 * np.pi * 4.0 * t
+    twist = np.repeat([0.05, 0.13, 0.2, 0.3], 4000) * (np.sin(phase) + third * np.sin(3 * phase + 0.4))
     torque = 460 * np.clip(twist, -0.12, 0.12) + 1500 * (twist - np.clip(twist, -0.12, 0.12))
     record = Recording((Signal("T", "torque", torque), Signal("gamma", "angle", twist)), 1000)
     write_recording(record, tmp_path / "staircase.npz")
@@ -307,7 +312,8 @@ def test_torque_over_twist_of_an_element_from_a_file(tmp_path):
     plan = load_fit_plan(tmp_path / "fit.yaml", tn.io.read_frequency_response)
     fit = tn.identify(plan.model, plan.measurements, plan.parameters)
     for name in ("k1", "g1", "k2"):
-        assert fit.values[name] == pytest.approx(STAGES[name], rel=1e-4), name
+        assert fit.values[name] == pytest.approx(STAGES[name], rel=1e-4 if not third else 1e-3), name
+    assert not fit.lack_of_fit.rejected
 
 
 def test_an_arc_spring_is_refused():

@@ -30,7 +30,6 @@ from torsionnet.identification.fit_search import (
 from torsionnet.identification.lack_of_fit import LackOfFit, lack_of_fit_sentences, noise_bias
 from torsionnet.identification.profile import profile_interval
 from torsionnet.identification.residuals.equation_block import EquationBlock
-from torsionnet.identification.residuals.laws_over_time import HARMONICS
 from torsionnet.identification.residuals.stepped_block import SteppedBlock
 from torsionnet.identification.unknown_parameter import ParameterQuantity, parameter_quantity
 from torsionnet.identification.verdict_words import (
@@ -44,6 +43,7 @@ from torsionnet.identification.verdict_words import (
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.assembly.table_range import range_notes
 from torsionnet.model.law_network import following_elements
+from torsionnet.signals.stepped_levels import HARMONICS
 
 # Search for an optimum of a fit that starts with the lowest lines and adds higher ones step by step.
 
@@ -201,7 +201,7 @@ class Fit(FitResult):
 ABOUT_FITTED = "laws of motion are linear about the operating point that the drivetrain has with the fitted values"
 """Note of a fit of a drivetrain with laws of motion."""
 
-BY_HARMONICS = f"one harmonic does not fit the steps: {HARMONICS} harmonics of the twist are in the first one"
+BY_HARMONICS = f"one harmonic does not tell the steps: {HARMONICS} harmonics of the twist are in the first one"
 
 
 def make_fit(

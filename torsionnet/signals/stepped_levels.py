@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
+HARMONICS = 9
+"""Harmonics of a steady motion that are taken along, the first included."""
 FEWEST_CYCLES = 4
 """Cycles of one period and one swing that make a step; the first is left out as it may still settle."""
 SAME_SWING, SAME_PERIOD = 0.05, 0.1
@@ -74,6 +76,8 @@ class SteppedStiffness(SavedResult):
         What the torque has beside its first harmonic and its mean, root mean square over that of the first harmonic.
     title : str
     notes : tuple of str
+    harmonics : (n, 8) complex array or None
+        Harmonics of the twist in rad from the second on; None where only the first is known.
     """
 
     SHOWN: ClassVar = (
@@ -89,6 +93,7 @@ class SteppedStiffness(SavedResult):
     distortion: Annotated[FloatArray, Out(json="other_harmonics")]
     title: str = ""
     notes: tuple[NoteOrText, ...] = ()
+    harmonics: NDArray[np.complex128] | None = None
 
     @property
     def amplitudes(self) -> Annotated[FloatArray, Out(json="amplitude_rad")]:
@@ -223,17 +228,18 @@ def stepped_stiffness(
             f"the twist holds no frequency and no amplitude for {FEWEST_CYCLES} cycles; a stepped sine does",
             kind="too-short",
         )
-    frequencies, twists, torques, mean_twists, mean_torques, distortion, others = (
+    frequencies, twists, torques, mean_twists, mean_torques, distortion, others, harmonics = (
         np.array(column) for column in zip(*rows, strict=True)
     )
     remarks: list[NoteOrText] = [*notes, f"{len(rows)} steps found; first cycle of each left out"]
     if others.max() > NEARLY_A_SINE:
         text = (
             f"harmonics of the twist are up to {100 * others.max():.2g} % of the first one, and describing functions "
-            "suppose a sine: fit the record over time, by equations of motion"
+            "suppose a sine: fit these steps, which takes the harmonics along, or the record over time"
         )
         remarks.append(warning(text))
-    return SteppedStiffness(frequencies, twists, torques, mean_twists, mean_torques, distortion, title, tuple(remarks))
+    columns = (frequencies, twists, torques, mean_twists, mean_torques, distortion)
+    return SteppedStiffness(*columns, title, tuple(remarks), harmonics)
 
 
 def _groups_of_cycles(angle: FloatArray, sampling_rate: float) -> list[tuple[int, int, float]]:
@@ -305,8 +311,8 @@ def _reversals(angle: FloatArray) -> list[tuple[int, bool]]:
 
 def _harmonics(
     load: FloatArray, angle: FloatArray, frequency: float, rate: float
-) -> tuple[float, complex, complex, float, float, float, float] | None:
-    """Frequency in Hz, first harmonics of twist and torque, means of both, and the rests of both of one step.
+) -> tuple[float, complex, complex, float, float, float, float, NDArray[np.complex128]] | None:
+    """Frequency in Hz, first harmonics of twist and torque, means and rests of both, further ones of the twist.
 
     None where the twist is no sine.
     """
@@ -335,10 +341,14 @@ def _harmonics(
     basis = np.array([np.cos(phase), np.sin(phase), ones, middle]).T[kept]
     fit = np.linalg.lstsq(basis, np.column_stack([angle, load])[kept], rcond=None)[0]
     twist, torque = fit[0] - 1j * fit[1]
-    rest = np.sqrt(2 * np.mean((np.column_stack([angle, load])[kept] - basis @ fit) ** 2, axis=0))
+    left = np.column_stack([angle, load])[kept] - basis @ fit
+    rest = np.sqrt(2 * np.mean(left**2, axis=0))
     if rest[0] > NOT_A_SINE * abs(twist):
         return None
     share = float(rest[1] / abs(torque)) if torque else 0.0
+    orders = np.arange(2, HARMONICS + 1)
+    further = 2 * np.exp(-1j * np.outer(orders, phase[kept])) @ left[:, 0] / len(left)
+    further[orders * frequency >= rate / 2] = 0.0
     return (
         frequency,
         complex(twist),
@@ -347,4 +357,5 @@ def _harmonics(
         float(fit[2, 1]),
         share,
         float(rest[0] / abs(twist)),
+        further,
     )

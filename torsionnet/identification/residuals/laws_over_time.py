@@ -15,14 +15,15 @@ from torsionnet.model.elements import Element, Law, MotionLaw
 from torsionnet.model.motion_laws.element_stiffness import slider_of
 from torsionnet.model.motion_laws.piece_curve import PieceCurve, Slope
 from torsionnet.motion.periodic.law_forces import CurveForce, SliderForce
+from torsionnet.signals.stepped_levels import HARMONICS
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 Slider: TypeAlias = Callable[[float, float, FloatArray], FloatArray]
 """Torque of friction behind a spring from its stiffness, its torque and the twist."""
 
-HARMONICS, PHASES = 9, 256
-"""Harmonics of a steady motion, and phases of it at which laws are evaluated."""
+PHASES, FINE = 256, 4
+"""Phases of a steady motion at which laws are evaluated, and times as many of one that is measured."""
 ROUNDS, SETTLED, LOST = 12, 1e-7, 1e-3
 """Most steps of Newton's method by which harmonics are found, their change over the amplitude at which they have
 settled, and that of a step above which it has found none, so that one harmonic is compared."""
@@ -89,8 +90,40 @@ def _steady_slider(stiffness: float, torque: float, twist: FloatArray) -> FloatA
     return np.stack([SliderForce(stiffness, torque).answer_to(course, None).torque for course in twist])
 
 
+Laws: TypeAlias = Sequence[tuple[Element, Sequence[WholePart], Row]]
+"""Elements with their parts and the row of their twist."""
+
+
+def _answer(
+    laws: Laws, twists: ComplexArray, means: FloatArray, omega: FloatArray, phases: int = PHASES
+) -> ComplexArray:
+    """Harmonics (n, HARMONICS) of the torque of laws in N m along steady twists of as many harmonics in rad."""
+    phi = 2 * np.pi * (np.arange(phases) + 0.5) / phases
+    orders = np.arange(1, HARMONICS + 1)
+    turns = np.exp(1j * np.outer(orders, phi))
+    twist = means[:, None] + (twists @ turns).real
+    rate = omega[:, None] * ((1j * orders * twists) @ turns).real
+    # Harmonics in, course over a period, torque over it, and harmonics out again: 2/N sum T exp(-j n phi).
+    torque = sum(torque_over_time(*law, twist, rate, _steady_slider) for law in laws)
+    return np.asarray(2 / phases * torque @ turns.conj().T)
+
+
+def stiffness_along(
+    laws: Laws, amplitudes: FloatArray, means: FloatArray, omega: FloatArray, shape: ComplexArray
+) -> ComplexArray:
+    """Change (n,) in N m/rad of the complex stiffness of laws by harmonics that a twist was measured to have.
+
+    ``shape``: these from the second on over the first, by its phase, (n, HARMONICS - 1).
+    """
+    sine, measured = (
+        _answer(laws, amplitudes[:, None] * np.column_stack([np.ones(len(shape)), more]), means, omega, FINE * PHASES)
+        for more in (np.zeros_like(shape), shape)
+    )
+    return np.asarray((measured - sine)[:, 0] / amplitudes)
+
+
 def stiffness_by_harmonics(
-    laws: Sequence[tuple[Element, Sequence[WholePart], Row]],
+    laws: Laws,
     amplitudes: FloatArray,
     means: FloatArray,
     omega: FloatArray,
@@ -111,18 +144,10 @@ def stiffness_by_harmonics(
     receptances : (n, HARMONICS - 1) array
         b_m at the harmonics from the second on, rad/(N m).
     """
-    phi = 2 * np.pi * (np.arange(PHASES) + 0.5) / PHASES
-    orders = np.arange(1, HARMONICS + 1)
-    turns = np.exp(1j * np.outer(orders, phi))
     further = np.zeros((len(amplitudes), HARMONICS - 1), dtype=complex)
 
     def answered(of: ComplexArray) -> ComplexArray:
-        twists = np.column_stack([amplitudes, of])
-        twist = means[:, None] + (twists @ turns).real
-        rate = omega[:, None] * ((1j * orders * twists) @ turns).real
-        # Harmonics in, course over a period, torque over it, and harmonics out again: 2/N sum T exp(-j n phi).
-        torque = sum(torque_over_time(*law, twist, rate, _steady_slider) for law in laws)
-        return np.asarray(2 / PHASES * torque @ turns.conj().T)
+        return _answer(laws, np.column_stack([amplitudes, of]), means, omega)
 
     def missed(of: ComplexArray) -> FloatArray:
         gap = of + receptances * (answered(of)[:, 1:] - spring * of)

@@ -18,7 +18,7 @@ from torsionnet.identification.residuals.stepped_curve import SteppedCurve, step
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
-from torsionnet.signals.stepped_levels import SteppedStiffness
+from torsionnet.signals.stepped_levels import HARMONICS, SteppedStiffness
 
 SAME_LEVEL = 0.1
 """Share by which the torque amplitudes, or else the twists, of the steps of one level differ at most."""
@@ -98,7 +98,7 @@ class SteppedBlock(ResponseBlock):
     @property
     def has_harmonics(self) -> bool:
         """Whether harmonics of the twist are in the first one of the model."""
-        return bool(np.any(self.curve_of_steps.beyond))
+        return self.curve_of_steps.shape is not None or bool(np.any(self.curve_of_steps.beyond))
 
     def with_model(self, rig: AssembledModel, measurement: Measurement, parameters: tuple[str, ...]) -> SteppedBlock:
         block = copy(self)
@@ -132,6 +132,8 @@ def stepped_block(
         raise UsageError(f"{measurement.label} {text}", kind="missing-data")
     arrays = ("frequencies", "twists", "torques", "mean_twists", "mean_torques", "distortion")
     steps = replace(data, **{name: getattr(data, name)[kept] for name in arrays})
+    if data.harmonics is not None:
+        steps = replace(steps, harmonics=data.harmonics[kept])
     names = parameters_of_drivetrain(rig, parameters)
     try:
         response = _curve(rig, measurement, steps, names)
@@ -155,4 +157,9 @@ def _curve(
 ) -> SteppedCurve:
     output, into = measurement.model_output or measurement.output, measurement.model_input or measurement.input
     each = (steps.frequencies, np.abs(steps.torques), steps.mean_twists, steps.mean_torques, _measured(steps))
-    return stepped_curve(rig, output, into, measurement.excitation, parameters, each)
+    shape = None
+    if steps.harmonics is not None:
+        # By the phase of the first one, gamma = a cos(phi) + Re sum s_m exp(j m phi).
+        orders, first = np.arange(2, HARMONICS + 1), np.abs(steps.twists)[:, None]
+        shape = steps.harmonics / first * (steps.twists[:, None] / first).conj() ** orders
+    return stepped_curve(rig, output, into, measurement.excitation, parameters, each, shape)

@@ -20,7 +20,7 @@ import numpy as np
 
 from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.base.expressions import FLOAT, ExpressionError
-from torsionnet.identification.residuals.laws_over_time import HARMONICS, stiffness_by_harmonics
+from torsionnet.identification.residuals.laws_over_time import stiffness_along, stiffness_by_harmonics
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.dynamic_stiffness.transfer_request import named_output
@@ -31,6 +31,7 @@ from torsionnet.model.element_base.element import OtherLaws
 from torsionnet.model.element_base.laws import WholePart
 from torsionnet.model.elements import GROUND, Element, Law, MotionLaw, Part, Row, Values
 from torsionnet.model.motion_laws.element_stiffness import slider_of, stiffness_over_twists
+from torsionnet.signals.stepped_levels import HARMONICS
 
 RELATIVE_STEP = 1e-6
 """Relative step by which the describing functions are differenced; they are smooth but at the corners of laws."""
@@ -40,6 +41,10 @@ SLOW = 1e-4
 """Part of the lowest frequency at which what is linear answers as at rest, also where it turns freely."""
 MOST_KEPT = 64
 """Most sets of values of the unknowns of which the laws are kept."""
+NO_SINE = 0.005
+"""Harmonics of a twist over the first one, root of their sum of squares, from which it is no sine."""
+SAME_TWIST = 1e-6
+"""Share by which an output may differ from a multiple of a twist."""
 FIRST_DAMPING, MOST_DAMPING = 1e-3, 1e6
 """Damping of Newton's steps at first, over the size of the slope, and that at which no step helps any more; it falls
 with each step that helps."""
@@ -106,6 +111,8 @@ class SteppedCurve(LawsOnTwist):
         Hz, N m and rad of the twist of the element at each step.
     measured : (n,) complex array
         Output over torque.
+    shape : (n, 8) complex array or None
+        Harmonics of the twist from the second on over the first, by its phase, where they are measured.
     at_harmonics : ParametricResponse or None
         The same as ``linear`` at harmonics of the steps, from the second on, one after the other.
     beyond : (n,) complex array, or 0
@@ -117,11 +124,20 @@ class SteppedCurve(LawsOnTwist):
     mean_twists: FloatArray
     measured: ComplexArray
     unit: str = "rad/(N*m)"
+    shape: ComplexArray | None = None
     at_harmonics: ParametricResponse | None = None
     beyond: ComplexArray | float = 0.0
     _known: dict[tuple[float, ...], tuple[tuple[Element, tuple[WholePart, ...], Row], ...]] = field(
         default_factory=dict, init=False, repr=False
     )
+
+    @property
+    def reads_the_twist(self) -> bool:
+        """Whether the output is a multiple of the twist of the element, at all frequencies."""
+        beside = self._beside(self.start.tolist())
+        p = (beside.output_by_torque / beside.by_torque)[0].real
+        pairs = (beside.output_by_torque, beside.by_torque), (beside.of_output, beside.of_twist)
+        return all(np.allclose(output, p * twist, rtol=SAME_TWIST, atol=0) for output, twist in pairs)
 
     @cached_property
     def omega(self) -> FloatArray:
@@ -186,7 +202,7 @@ class SteppedCurve(LawsOnTwist):
 
     def with_harmonics(self, values: Sequence[float] | FloatArray) -> SteppedCurve:
         """Curve that takes along what harmonics change at values of the unknowns; itself where they are not known."""
-        if self.at_harmonics is None:
+        if self.at_harmonics is None or self.shape is not None:
             return self
         numbers = [float(number) for number in values]
         weights = np.array([float(weight) for weight in self.row.values()])
@@ -244,9 +260,10 @@ class SteppedCurve(LawsOnTwist):
     def _stiffness(self, numbers: Sequence[float], amplitudes: FloatArray) -> ComplexArray:
         """Complex stiffness K (n,) of the laws of the element at the steps."""
         try:
-            at = (amplitudes, self.mean_twists, self.omega)
-            of_laws = sum(stiffness_over_twists(*law, *at) for law in self._laws(tuple(numbers)))
-            return np.asarray(of_laws + self.beyond)
+            laws, at = self._laws(tuple(numbers)), (amplitudes, self.mean_twists, self.omega)
+            of_laws = sum(stiffness_over_twists(*law, *at) for law in laws)
+            beyond = self.beyond if self.shape is None else stiffness_along(laws, *at, self.shape)
+            return np.asarray(of_laws + beyond)
         except (ZeroDivisionError, OverflowError, ExpressionError) as error:
             raise SolveError(f"the laws of {', '.join(self.elements)}: {error}", kind="no-solution") from None
 
@@ -343,10 +360,12 @@ def stepped_curve(
     excitation: str | None,
     parameters: tuple[str, ...],
     steps: tuple[FloatArray, FloatArray, FloatArray, FloatArray, ComplexArray],
+    shape: ComplexArray | None = None,
 ) -> SteppedCurve:
     """First harmonic of an output of a model over a torque at ``steps``.
 
-    These are frequencies, amplitudes of the torque, means of output and torque, and the output measured over torque.
+    These are frequencies, amplitudes of the torque, means of output and torque, and the output measured over torque;
+    ``shape`` has the further harmonics of the output over the first.
 
     Raises
     ------
@@ -370,7 +389,7 @@ def stepped_curve(
                 f"the torque of {sensor.of} goes with its twist; name a sensor {{twist: {sensor.of}}}, or what drives"
             )
             raise UsageError(text, kind="unfit-channel")
-        return SteppedCurve(rig, varied, (sensor.of,), None, row, *common)
+        return SteppedCurve(rig, varied, (sensor.of,), None, row, *common, shape=_clear(shape))
     linear_rig, held = linear_beside(varied, rig, elements, row, spring)
     if (measured_in := named_output(linear_rig, output).unit) != "rad":
         text = f"steps have a twist or an angle in rad over a torque, and {output} is in {measured_in}"
@@ -386,7 +405,13 @@ def stepped_curve(
     curve = SteppedCurve(rig, varied, elements, linear(frequencies), held, *common)
     still = replace(curve, linear=linear(np.array([SLOW * frequencies.min()])))
     harmonics = linear(np.outer(np.arange(2, HARMONICS + 1), frequencies).ravel())
-    return replace(curve, mean_twists=still.static_twists(means, mean_torques), at_harmonics=harmonics)
+    curve = replace(curve, mean_twists=still.static_twists(means, mean_torques), at_harmonics=harmonics)
+    return replace(curve, shape=_clear(shape) if curve.reads_the_twist else None)
+
+
+def _clear(shape: ComplexArray | None) -> ComplexArray | None:
+    """Harmonics of a twist over the first one; None where they are those of a sine with noise."""
+    return None if shape is None or np.linalg.norm(shape, axis=1).max() < NO_SINE else shape
 
 
 def linear_beside(
