@@ -38,6 +38,7 @@ from torsionnet.base.expressions import Algebra
 from torsionnet.base.units import _BASE, _JOINED, _PREFIXES, DIMENSIONS, Dimension, expected_unit
 from torsionnet.bench.plan import (
     Acquisition,
+    Creep,
     DropOuts,
     Encoder,
     Exciter,
@@ -457,6 +458,7 @@ def bench_page() -> str:
         ("Channel of `type: strain gauge`", StrainGauge),
         ("`shunt` of a strain gauge", ShuntCalibration),
         ("`zero_drift` of a strain gauge", ZeroDrift),
+        ("`creep` of a strain gauge", Creep),
         ("Channel of `type: encoder`", Encoder),
         ("Channel of `type: toothed wheel`", ToothedWheel),
         ("`pitch_errors` of a toothed wheel", PitchErrors),

@@ -341,6 +341,7 @@ FAULTS = {
     "gain": ("T", {"gain": 1.02}),
     "shunt": ("T", {"shunt": {"value": "200 N*m", "duration": "0.5 s", "at": "end"}}),
     "drift": ("T", {"zero_drift": {"change": "30 N*m"}}),
+    "creep": ("T", {"creep": {"share": "-5 %", "time": "50 ms"}}),
     "noise": ("T", {"noise": "1 N*m"}),
     "hum": ("T", {"hum": {"amplitude": "5 N*m"}}),
     "drop-outs": ("T2", {"drop_outs": {"rate": "2 Hz", "duration": "20 ms", "reads": "zero"}}),
@@ -384,6 +385,10 @@ def test_each_fault_changes_its_own_channel_alone_and_by_what_it_says(name):
         assert [(fault.kind, fault.time, fault.size) for fault in faults] == [("shunt calibration", 3.5, 200)]
     if name == "drift":
         assert np.allclose(change, 30 * clock / clock[-1])
+    if name == "creep":  # 0.05 s x' + x = -0.05 T, settled at first
+        values = before["T"].values
+        _, followed, _ = scipy.signal.lsim(([-0.05], [0.05, 1]), values - values[0], clock - clock[0])
+        assert np.allclose(change, followed - 0.05 * values[0], atol=2e-3 * np.abs(values).max())
     if name == "noise":
         assert change.std() == pytest.approx(1, rel=0.05)
     if name == "hum":

@@ -128,6 +128,14 @@ def shunt_span(part: StrainGauge, count: int, acquisition: Acquisition) -> slice
     return slice(0, samples) if shunt.at == "start" else slice(count - samples, count)
 
 
+def with_creep(part: Transducer, values: FloatArray, acquisition: Acquisition) -> FloatArray:
+    """Values (n,) with what creep adds of them, which has settled at the first one."""
+    creep = part.creep if isinstance(part, StrainGauge) else None
+    if creep is None:
+        return values
+    return values + creep.share * first_order_lag(values, 1 / (TURN * creep.time), acquisition.rate, values[0])
+
+
 def moving_zero(part: Transducer, count: int, acquisition: Acquisition) -> FloatArray:
     """Zero of a strain gauge at each of so many samples, (n,) in SI, that drifts from 0 to its change."""
     drift = part.zero_drift if isinstance(part, StrainGauge) else None
@@ -203,8 +211,9 @@ def _encoded(truth: Signal, encoder: Encoder, rng: np.random.Generator) -> Signa
 def _transduced(truth: Signal, part: Transducer, acquisition: Acquisition, rng: np.random.Generator) -> Signal:
     """Signal of a transducer: gain, noise, offset, anti-alias filter, range and quantisation applied."""
     hum, lost = rng.spawn(2)  # generators of their own, so that no fault changes the noise
-    # In the order of the chain: gain, noise, zero, anti-alias filter, range and steps, telemetry.
-    values, notes = part.gain * (truth.values + shunt_steps(part, truth, acquisition)), list(truth.notes)
+    # In the order of the chain: creep, gain, noise, zero, anti-alias filter, range and steps, telemetry.
+    value = with_creep(part, truth.values, acquisition) + shunt_steps(part, truth, acquisition)
+    values, notes = part.gain * value, list(truth.notes)
     if part.noise is not None:
         values = values + float(part.noise.value) * rng.standard_normal(len(values))
     if part.offset is not None:

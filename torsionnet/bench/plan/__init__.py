@@ -3,6 +3,7 @@
 from torsionnet.bench.plan.bench_motions import BenchMotion, CoastDown, GivenSpeed, RunDown, RunUp, SteadyPoints
 from torsionnet.bench.plan.parts import (
     Acquisition,
+    Creep,
     DropOuts,
     Encoder,
     Exciter,
@@ -22,6 +23,7 @@ __all__ = [
     "Acquisition",
     "BenchMotion",
     "CoastDown",
+    "Creep",
     "DropOuts",
     "Encoder",
     "Exciter",

@@ -270,6 +270,25 @@ class ZeroDrift(Declared):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Creep(Declared):
+    """Creep of what carries the torque or of its gauge: a value that is held is read with a share more in the end.
+
+    Below zero it relaxes. A sine is read (1 + share/(1 + j w time)) times, so that slow loops of torque over twist
+    are wider.
+
+    Examples
+    --------
+    >>> Creep(share="-3 %", time="2 s").share
+    -0.03
+    """
+
+    kind: ClassVar[str] = "creep"
+
+    share: float = entry(Value("what is read more of a value that is held for long, as a share", "1", lower=-1.0))
+    time: float = entry(Value("time constant", "time", exclusive=True))
+
+
+@dataclass(frozen=True, kw_only=True)
 class StrainGauge(Transducer):
     """A strain gauge bridge on a shaft with its amplifier and telemetry; it reads gain * value + zero + noise.
 
@@ -286,6 +305,7 @@ class StrainGauge(Transducer):
         Nested("shunt calibration", lambda: ShuntCalibration, "bench_shunt_calibration"), None
     )
     zero_drift: ZeroDrift | None = entry(Nested("drift of the zero", lambda: ZeroDrift, "bench_zero_drift"), None)
+    creep: Creep | None = entry(Nested("creep under the torque", lambda: Creep, "bench_creep"), None)
 
 
 # Entries of a toothed wheel on a bench that turns: teeth and their errors, pickups, the counter of its pulses.
