@@ -43,6 +43,8 @@ WIDTHS = (5, 9, 15, 25, 41, 65, 101, 161, 257)
 """Samples of the cubics by which the twist is smoothed, of which none takes away more than noise."""
 PARTS, AS_NOISE = 8, 1.1
 """Parts of a record, in each of which smoothing takes away no more than this multiple of the noise."""
+MEDIAN = 1.4826
+"""Standard deviation of normal values over the median of their sizes."""
 CLEAR_OF_NOISE = 4.0
 """Rate over its noise below which the twist may be at rest."""
 RESTING, MOST_RESTING = 0.05, 0.15
@@ -139,7 +141,9 @@ class MeasuredMotion:
             half_period = min(half_period, int(np.count_nonzero(moves)) // (turns + 1))
             # The rate tells when friction turns: a third of a half period hardly moves a reversal.
             by_rate = max(width, min(half_period // 6 * 2 + 1, 2 * width - 1))
+        # Friction that turns makes a tenth of the fourth differences of a torque large, not half of them.
         spread = noise_of_fourth_differences(torque) if torque.any() else 0.0
+        spread = MEDIAN * float(np.median(np.abs(np.diff(torque, 4)))) / 70**0.5 or spread
         # Friction that turns makes a jump B of the acceleration: a cubic over m samples across it adds m h B/30.
         ends = np.arange(len(twist)) + by_rate // 2 * np.array([[1], [-1]])
         after, before = bend[np.clip(ends, 0, len(twist) - 1)]
@@ -355,6 +359,16 @@ class EquationBlock(MeasurementBlock):
             self._placed(np.tile(rest.drive * by_torque * phi, (len(weights), 1))),
             self._placed(self._under(slope * turning) * phi),
         )
+        if self.equation.drives:
+            # A torque that jumps within the time of a sample is read ahead of the jump or behind it, evenly spread.
+            widely = np.abs(motion.bend) * motion.step / p
+            ends_of_jump = [
+                self.equation.torque(numbers.tolist(), self._followed / output, way, motion.step)
+                for way in (motion.rate / output + widely, motion.rate / output - widely)
+            ]
+            turns = np.abs(motion.rate) < np.abs(motion.bend) * motion.step / 2
+            read = np.where(turns, ends_of_jump[0] - ends_of_jump[1], 0.0) / 12**0.5
+            shares = (*shares, self._placed(self._under(read) * phi))
         covariance = np.asarray(sum((share @ share.T).toarray() for share in shares))
         least = (1e-9 * float(np.abs(ends[0]).max()) + np.finfo(float).tiny ** 0.5) ** 2
         return covariance + np.diag(OTHER * np.diag(covariance) + least)
