@@ -12,7 +12,7 @@ from support.loop_records import backlash_record, course, loop_record, stage_rec
 
 import torsionnet as tn
 from torsionnet.io.loop_element import loop_element
-from torsionnet.signals import Signal, write_recording
+from torsionnet.signals import Signal, loops, write_recording
 from torsionnet.signals.torque_loops.loop_result import LoopValue, TorqueLoops
 
 
@@ -48,17 +48,20 @@ def test_free_play_becomes_a_clearance_and_sides_that_differ_rows(tmp_path):
     contact = tn.load(file).elements["contact"]
     assert contact.kind == "clearance"
     twist, sense = course(4.6, 800)
-    torque = 0.25 * twist * 400 + 1500 * np.maximum(0.25 * twist - 0.1, 0) + 2 * sense
+    torque = 0.25 * twist * np.where(twist > 0, 400, 300) + 1500 * np.maximum(0.25 * twist - 0.1, 0) + 2 * sense
     noise = np.random.default_rng(0).normal(0, 0.1, len(twist))
     call(tmp_path, loop_record(torque + noise, 0.25 * twist), "--write-model", file)
     springs = tn.load(file).elements["springs"]
     rows = np.array([[float(cell.evaluate({})) for cell in row] for row in springs.torque_over_twist])
-    assert rows[1] == pytest.approx([0.1, 40.0], rel=0.01)
+    assert rows[2] == pytest.approx([0.1, 40.0], rel=0.01)
     slopes = np.diff(rows[:, 1]) / np.diff(rows[:, 0])
-    assert slopes == pytest.approx([400, 1900], rel=0.01)
+    assert slopes == pytest.approx([300, 400, 1900], rel=0.01)
     call(tmp_path, loop_record(-torque - noise, -0.25 * twist), "--write-model", file)
     mirrored = [cell.evaluate({}) for cell in tn.load(file).elements["springs"].torque_over_twist[1]]
     assert mirrored == pytest.approx([-0.1, -40.0], rel=0.01)
+    torque = 0.1 * twist * np.where(twist > 0, 900, 700) + 4 * sense + noise
+    springs = loop_element(loops(loop_record(torque, 0.1 * twist), "T", "gamma")).definition.elements["springs"]
+    assert [float(cell.evaluate({})) for cell in springs.torque_over_twist[1]] == pytest.approx([0, 0], abs=0.1)
 
 
 def test_corrections_are_options_and_what_is_missing_is_told(tmp_path):

@@ -12,6 +12,7 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.elements import ArcSpring, Clearance, Friction, Lock, Spring
 from torsionnet.signals.torque_loops.arc_loops import ARC, RADIUS, ArcLoops, arc_loops
 from torsionnet.signals.torque_loops.loop_numbers import ONE_FRICTION
+from torsionnet.signals.torque_loops.loop_remarks import sides_differ
 from torsionnet.signals.torque_loops.loop_result import LoopStage, LoopValue, TorqueLoop, TorqueLoops
 
 NODES = ("driving", "driven")
@@ -26,9 +27,9 @@ def write_loop_element(loops: TorqueLoops, path: str | Path) -> None:
 def loop_element(loops: TorqueLoops) -> Drivetrain:
     """Component that the largest loop of a test shows, with its driven side clamped.
 
-    Values are parameters, whose descriptions have interval and source. Where drive and coast have the same stages, the
-    spring has their means; else rows of torque over twist, which hold for either side. Behind free play with a single
-    stage stands a clearance.
+    Values are parameters, whose descriptions have interval and source. Where drive and coast have the same stages,
+    within their intervals, the spring has their means, behind free play with a single stage a clearance; else rows of
+    torque over twist, which hold for either side.
     """
     loop = max(loops.loops, key=lambda loop: loop.amplitude.value)
     source = f"{loop.cycles} cycles of {loops.torque} over {loops.twist}" + (
@@ -47,9 +48,11 @@ def loop_element(loops: TorqueLoops) -> Drivetrain:
         elements: list[Any] = [_arc_springs(arcs, loop, parameter, parameters), Lock("clamp", node=NODES[1])]
         return Drivetrain("component", elements, parameters=parameters, description=f"From loops: {source}")
     both = loop.side("both")
-    if loop.free_play is not None and len(both) == 1:
+    if loop.side("drive") and loop.side("coast") and sides_differ(loop):
+        spring: Any = Spring("springs", nodes=NODES, torque_over_twist=_spring_line_rows(loop))
+    elif loop.free_play is not None and len(both) == 1:
         gap, stiffness = parameter("gap", loop.free_play, "rad"), parameter("k_1", both[0].stiffness, "N*m/rad")
-        spring: Any = Clearance("contact", nodes=NODES, gap=gap, stiffness=stiffness)
+        spring = Clearance("contact", nodes=NODES, gap=gap, stiffness=stiffness)
     elif both and loop.free_play is None:
         spring = Spring("springs", nodes=NODES, stages=_stages(both, parameter))
     else:
@@ -108,11 +111,14 @@ def _stages(stages: Sequence[LoopStage], parameter: Any) -> list[Any]:
 
 
 def _spring_line_rows(loop: TorqueLoop) -> list[list[str]]:
-    """Rows of twist and torque at the ends and breaks of a spring line."""
+    """Rows of twist and torque at the ends and breaks of a spring line, and at no twist, where its sides meet."""
     begins = [
-        stage.begins.value * (1 if stage.side == "drive" else -1) for stage in loop.stages if stage.begins is not None
+        sign * stage.begins.value
+        for side, sign in (("drive", 1), ("coast", -1))
+        for stage in loop.side(side)
+        if stage.begins is not None
     ]
-    inside = [at for at in begins if loop.twist[0] < at < loop.twist[-1]]
+    inside = [at for at in (0.0, *begins) if loop.twist[0] < at < loop.twist[-1]]
     twists = np.array(sorted({float(loop.twist[0]), *inside, float(loop.twist[-1])}))
     torques = np.interp(twists, loop.twist, loop.spring_line)
     return [

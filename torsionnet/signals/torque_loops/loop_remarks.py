@@ -231,6 +231,15 @@ def _sides(loop: TorqueLoop) -> list[NoteOrText]:
     return remarks
 
 
+def sides_differ(loop: TorqueLoop) -> bool:
+    """Whether stages of drive and coast differ in number, stiffness or place, beyond their intervals."""
+    drive, coast = loop.side("drive"), loop.side("coast")
+    pairs = zip(drive, coast, strict=False)
+    return len(drive) != len(coast) or any(
+        _difference(one, other, name) for one, other in pairs for name in ("stiffness", "begins")
+    )
+
+
 def _difference(drive: LoopStage, coast: LoopStage, name: str) -> str:
     driving, coasting = getattr(drive, name), getattr(coast, name)
     if driving is None or coasting is None or driving.half_width is None or coasting.half_width is None:
