@@ -299,7 +299,7 @@ measurements:
 def test_torque_over_twist_of_an_element_from_a_file(tmp_path, third):
     """The torque follows the twist sample by sample, on both stages; no inertia of the model comes in.
 
-    Of a twist with a third harmonic, describing functions make the break 4 % too small.
+    Of a twist with a third harmonic, describing functions make the break 6 % too large.
     """
     t = np.arange(0, 16, 1e-3)
     phase = 2 * np.pi * 4.0 * t
