@@ -228,7 +228,7 @@ def stepped_stiffness(
             f"the twist holds no frequency and no amplitude for {FEWEST_CYCLES} cycles; a stepped sine does",
             kind="too-short",
         )
-    frequencies, twists, torques, mean_twists, mean_torques, distortion, others, harmonics = (
+    frequencies, twists, torques, mean_twists, mean_torques, distortion, others, further = (
         np.array(column) for column in zip(*rows, strict=True)
     )
     remarks: list[NoteOrText] = [*notes, f"{len(rows)} steps found; first cycle of each left out"]
@@ -239,7 +239,7 @@ def stepped_stiffness(
         )
         remarks.append(warning(text))
     columns = (frequencies, twists, torques, mean_twists, mean_torques, distortion)
-    return SteppedStiffness(*columns, title, tuple(remarks), harmonics)
+    return SteppedStiffness(*columns, title, tuple(remarks), further)
 
 
 def _groups_of_cycles(angle: FloatArray, sampling_rate: float) -> list[tuple[int, int, float]]:

@@ -354,11 +354,11 @@ class EquationBlock(MeasurementBlock):
         by_rate = _through(
             self._under(slope) * phi, scipy.signal.savgol_coeffs(motion.rate_width, 3, 1, motion.step)[::-1]
         )
-        shares = (
+        shares: list[Any] = [
             (self._placed(weights) + self._placed(by_rate)) * (by_twist / p),
             self._placed(np.tile(rest.drive * by_torque * phi, (len(weights), 1))),
             self._placed(self._under(slope * turning) * phi),
-        )
+        ]
         if self.equation.drives:
             # A torque that jumps within the time of a sample is read ahead of the jump or behind it, evenly spread.
             widely = np.abs(motion.bend) * motion.step / p
@@ -368,7 +368,7 @@ class EquationBlock(MeasurementBlock):
             ]
             turns = np.abs(motion.rate) < np.abs(motion.bend) * motion.step / 2
             read = np.where(turns, ends_of_jump[0] - ends_of_jump[1], 0.0) / 12**0.5
-            shares = (*shares, self._placed(self._under(read) * phi))
+            shares.append(self._placed(self._under(read) * phi))
         covariance = np.asarray(sum((share @ share.T).toarray() for share in shares))
         least = (1e-9 * float(np.abs(ends[0]).max()) + np.finfo(float).tiny ** 0.5) ** 2
         return covariance + np.diag(OTHER * np.diag(covariance) + least)

@@ -115,8 +115,9 @@ def stiffness_along(
 
     ``shape``: these from the second on over the first, by its phase, (n, HARMONICS - 1).
     """
+    first = amplitudes[:, None].astype(complex)
     sine, measured = (
-        _answer(laws, amplitudes[:, None] * np.column_stack([np.ones(len(shape)), more]), means, omega, FINE * PHASES)
+        _answer(laws, np.concatenate([first, first * more], axis=1), means, omega, FINE * PHASES)
         for more in (np.zeros_like(shape), shape)
     )
     return np.asarray((measured - sine)[:, 0] / amplitudes)
