@@ -200,6 +200,30 @@ def test_no_rest_under_more_torque_than_a_softening_spring_carries():
     assert "torques that grow reach" in grown
 
 
+def _soft() -> tn.Drivetrain:
+    spring = tn.Spring("spring", nodes=("x", "ground"), stiffness=1, cubic=-0.1, damping=0.05)
+    return tn.Drivetrain("soft", [tn.Inertia("mass", node="x", inertia=1), spring])
+
+
+def _delayed_friction() -> tn.Drivetrain:
+    brake = tn.Controller("brake", sense={"velocity": "x"}, act="x", law=-0.02, delay=0.003)
+    return tn.Drivetrain("delayed", [*rubbing_mass().elements.values(), brake])
+
+
+@pytest.mark.parametrize(
+    ("rig", "at", "load", "said"),
+    [
+        # k g + k_3 g^3 is zero at sqrt(10)
+        (_soft, 1 / (2 * pi), 7.5, "or runs away: beyond 3.162 rad spring pushes on outward"),
+        (_delayed_friction, 10, 5, "friction that sticks has no slopes for Hill's determinant"),
+        (rubbing_mass, 10, 0.5, "friction sticks all along, with any mean torque that it holds"),
+    ],
+)
+def test_what_is_met_or_not_determined_is_told(rig, at, load, said):
+    found = rig().periodic_response("x", frequencies=[at], excitation={"x": load}, harmonics=3)
+    assert any(said in note for note in found.notes)
+
+
 def test_orders_without_a_short_period_in_common_are_refused():
     orders = {1: {"amplitude": "5 N*m"}, "0.137": {"amplitude": "1 N*m"}}
     rig = tn.Drivetrain(

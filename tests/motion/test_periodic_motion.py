@@ -6,7 +6,7 @@ from math import pi
 
 import numpy as np
 import pytest
-from support.periodic_rigs import branch_over, duffing, problem, swing, two_stage_rig
+from support.periodic_rigs import branch_over, duffing, gear_pair, problem, swing, two_stage_rig
 
 import torsionnet as tn
 from torsionnet.base.errors import UsageError
@@ -41,6 +41,16 @@ def test_mass_on_a_cubic_spring_folds_twice_and_has_three_motions_between():
     amplitudes = [swing(one, motion)[1] for motion in branch.at(1.2)]
     for found, wanted in zip(amplitudes, (2.54557670, 2.28664818, 0.41767295), strict=True):
         _close(found, wanted, 1e-8)  # what is printed: 24 harmonics of a cubic spring leave out nothing
+
+
+def test_torques_of_high_harmonics_move_what_they_move():
+    """Teeth that stay pressed together are linear: harmonic 40 of F has F/|1 - (40 w)^2 + 40 j c w|."""
+    one = problem(gear_pair(), {"x": [0.5, 0.01, *[0] * 38, 100]}, 0.8, hertz=False)
+    motion = one.solve(0.8, one.balance(0.8, 20).driven)
+    _close(abs(motion.x[40, 0]), 100 / abs(1 - 32**2 + 3.2j))
+    assert one.driven_to == 40
+    fewer = one.solve(0.8, motion.x, harmonics=20)
+    _close(fewer.left_out * np.ptp(swing(one, fewer)), abs(motion.x[40, 0]))
 
 
 def test_few_harmonics_miss_a_swing_by_what_is_known():

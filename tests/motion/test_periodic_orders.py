@@ -248,6 +248,7 @@ def test_page_over_speed_draws_what_is_met_and_says_so(rattler):
     ("change", "asked", "kind"),
     [
         ({}, {"nonlinear": "cubic"}, "unknown-word"),
+        ({}, {"speeds": [1.0], "speed_of": "q"}, "unknown-node"),
         ({"linear": True}, {"nonlinear": "periodic"}, "no-effect"),
     ],
 )

@@ -137,13 +137,15 @@ def test_means_of_the_operating_point_act_where_none_is_given():
         ({"frequencies": [1.0], "excitation": {"a": {0: 1j, 1: 1}}}, "wrong-form"),
         ({"frequencies": [1.0], "excitation": {"b": 1}}, 'no node is named "b"|named "b"'),
         ({"frequencies": [1.0], "excitation": {"a": 1}, "harmonics": 0}, "out-of-range"),
+        ({"frequencies": [1.0], "excitation": {"a": 1}, "speed_of": "a"}, "contradicting-entries"),
+        ({"frequencies": [1.0], "excitation": {"a": 1}, "output": []}, "missing-entry"),
         ({"frequencies": [1.0], "excitation": {"a": 1}, "subharmonics": 3}, "another power of 2"),
         ({"frequencies": [1.0], "speeds": [1.0]}, "not both"),
     ],
 )
 def test_questions_that_make_no_sense(asked, message):
     with pytest.raises(UsageError, match=message):
-        duffing().periodic_response("a", **asked)
+        duffing().periodic_response(**{"output": "a", **asked})
 
 
 def test_linear_drivetrains_and_loose_loads_are_refused():

@@ -44,6 +44,21 @@ def test_friction_slips_for_a_part_of_the_period(force, frequency, share):
     assert abs(slips / stability.march.period - share) < 2e-4  # four digits are printed; a flat maximum
 
 
+@pytest.mark.parametrize(
+    ("loads", "frequency", "wanted"), [([0, 6], 13, 0.11343 + 0.73519j), ([1, 12, 3j], 16, -0.02330 + 0.83255j)]
+)
+def test_multipliers_of_friction_behind_a_spring_beside_a_cubic_one(loads, frequency, wanted):
+    """Differences of the flow stepped by Runge and Kutta's method from event to event, 4000 steps in a period."""
+    cubic = tn.Spring("spring", nodes=("x", "ground"), stiffness=400, cubic=4e5, damping=0.4)
+    rub = tn.Friction("rub", nodes=("x", "ground"), torque=2, stiffness=300)
+    one = problem(
+        tn.Drivetrain("rubbing", [tn.Inertia("m", node="x", inertia=0.1), cubic, rub]), {"x": loads}, frequency
+    )
+    (motion,) = from_rest(one, frequency)
+    found = _first(one, motion)
+    assert abs(complex(found.real, abs(found.imag)) - wanted) < 1e-4
+
+
 def test_doubling_of_points_without_one_between_is_none():
     one = problem(gear_pair(0.06), {"x": [0.12, 0.6]}, 2.5, hertz=False)
     branch = branch_over(one, 2.5, 2.3)

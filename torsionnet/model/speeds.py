@@ -94,10 +94,12 @@ def locking_clamp(definition: Definition, values: Mapping[str, Any], node: str) 
     Springs to ground alone do not count: they hold a housing, and what they would stop turns by convention.
     """
     nodes = all_nodes(definition.active)
+    if node not in nodes:
+        return ""
     order = {node: index for index, node in enumerate(nodes)}
     rows, rest = _rows_on_average(definition, values)
     turning = _eliminated([{node: Fraction(1), UNIT: Fraction(-1)}, *rows], order)
-    for name, row in _at_rest(definition, rest) if node in order and not turning.blocked else ():
+    for name, row in _at_rest(definition, rest) if not turning.blocked else ():
         if not turning.blocks(row):
             turning.add(row)
         elif name:

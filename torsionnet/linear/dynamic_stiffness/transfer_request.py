@@ -160,9 +160,7 @@ def resolve_request(
     UsageError
         An unknown name, no or an ambiguous excitation, or not as many measured inputs as excitations.
     """
-    outputs = tuple(named_output(drivetrain, entry) for entry in _listed(output, "an output", (str, Sensor)))
-    if not outputs:
-        raise UsageError(NO_CHANNELS_MESSAGE, kind="missing-entry")
+    outputs = named_outputs(drivetrain, output)
     return replace(resolve_inputs(drivetrain, input, excitation), outputs=outputs)
 
 
@@ -333,6 +331,14 @@ def _listed(names: Any, what: str, kinds: tuple[type, ...]) -> list[Any]:
         if not isinstance(entry, kinds):
             raise UsageError(f"{what} is a name or a list of names, got {names!r}", kind="wrong-form")
     return entries
+
+
+def named_outputs(drivetrain: AssembledModel, output: str | Sensor | Sequence[str | Sensor]) -> tuple[Functional, ...]:
+    """Readings of outputs given singly or as a list, of which there is one at least."""
+    outputs = tuple(named_output(drivetrain, entry) for entry in _listed(output, "an output", (str, Sensor)))
+    if not outputs:
+        raise UsageError(NO_CHANNELS_MESSAGE, kind="missing-entry")
+    return outputs
 
 
 def named_output(drivetrain: AssembledModel, entry: str | Sensor) -> Functional:

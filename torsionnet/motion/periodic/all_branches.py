@@ -73,7 +73,7 @@ def all_branches(
 
     From a ``state`` motions are simulated as well, at both ends and in the middle.
     """
-    traced = TRACED if harmonics == "auto" else harmonics
+    traced = max(TRACED, problem.driven_to) if harmonics == "auto" else harmonics
     branches: list[FoundBranch] = []
 
     def left() -> int:

@@ -17,7 +17,7 @@ import numpy as np
 
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.motion.periodic.harmonic_balance import fitted, packed, unpacked
-from torsionnet.motion.periodic.periodic_problem import LEFT_OUT, MORE, MOST_HARMONICS, PeriodicMotion, PeriodicProblem
+from torsionnet.motion.periodic.periodic_problem import LEFT_OUT, MORE, PeriodicMotion, PeriodicProblem
 
 FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 0.02, 0.08, 1e-7
 """Lengths of steps along a branch, over the parameter and the size of the motion."""
@@ -25,6 +25,8 @@ BEND = 0.9
 """Least cosine between the directions of two steps: more bend asks for shorter ones."""
 MOST_ITERATIONS, FEW = 10, 3
 """Newton steps from which a step along the branch is taken back, and up to which the next one is longer."""
+CORNER, PAST = 1e-4, 1e-3
+"""Length of steps below which a corner of the branch is supposed, and share of the parameter by which it is passed."""
 CLOSE = 1e-8
 """Last Newton step of a point along the branch."""
 DIFFERENCE = 1e-7
@@ -148,6 +150,9 @@ class Tracer:
                     if moved @ point.tangent >= BEND * np.linalg.norm(moved) or ds <= 100 * SHORTEST_STEP:
                         break
                 ds /= 2
+                if CORNER / 2 <= ds < CORNER and (beyond := self._past_corner(point)) is not None:
+                    stepped, ds = (beyond, MOST_ITERATIONS), FIRST_STEP
+                    break
                 if ds < SHORTEST_STEP:
                     self.stopped = "Newton's method finds no motion further on, however short the step"
                     return
@@ -156,6 +161,20 @@ class Tracer:
             if count <= FEW:
                 ds = min(1.5 * ds, LONGEST_STEP)
         self.stopped = f"it goes on, but only {most} points of it are followed, not to its end"
+
+    def _past_corner(self, point: BranchPoint) -> BranchPoint | None:
+        """Point a little further in the parameter, where a branch bends at once by more than a right angle.
+
+        So it may where friction behind a spring begins to slip: no plane across the tangent meets it there.
+        """
+        moved = self.problem.solve(
+            point.p + PAST * float(np.sign(point.turns)) * point.scale[-1],
+            unpacked(point.u, self.n_laws),
+            self.harmonics,
+        )
+        if moved is None or np.linalg.norm((packed(moved.x) - point.u) / point.scale[:-1]) > LONGEST_STEP:
+            return None
+        return self.first(moved.parameter, moved.x, float(np.sign(point.turns)))
 
     def motion(self, point: BranchPoint) -> PeriodicMotion:
         """Motion of a point."""
@@ -214,7 +233,7 @@ def located_fold(problem: PeriodicProblem, before: BranchPoint, after: BranchPoi
         if point is None:
             return None
         motion = tracer.motion(point)
-        if motion.left_out < LEFT_OUT or harmonics >= MOST_HARMONICS:
+        if motion.left_out < LEFT_OUT or harmonics >= problem.most_harmonics:
             return Fold(motion, kind)
         harmonics = int(MORE * harmonics)
 

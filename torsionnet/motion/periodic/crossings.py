@@ -36,10 +36,10 @@ def located_crossing(
 ) -> PeriodicMotion | None:
     """Motion between two points of a branch at which a value passes zero, by the rule of false positions (Illinois)."""
 
-    def at(parameter: float) -> tuple[PeriodicMotion, float] | None:
+    def at(parameter: float, near: PeriodicMotion | None = None) -> tuple[PeriodicMotion, float] | None:
         share = (parameter - before.p) / (after.p - before.p)
-        start = unpacked(before.u + share * (after.u - before.u), n_laws)
-        motion = problem.solve(parameter, start)
+        between = unpacked(before.u + share * (after.u - before.u), n_laws)
+        motion = problem.solve(parameter, between if near is None else near.x)
         passed = None if motion is None else value(motion)
         return None if motion is None or passed is None else (motion, passed)
 
@@ -57,10 +57,11 @@ def located_crossing(
     a, b = other.parameter, motion.parameter
     for _ in range(60):
         c = (a * fb - b * fa) / (fb - fa)
-        between = at(c)
-        if between is None:
+        # the last motion has all the harmonics that it needs
+        further = at(c, motion)
+        if further is None:
             return None
-        motion, fc = between
+        motion, fc = further
         if fc * fb < 0:
             a, fa = b, fb
         else:

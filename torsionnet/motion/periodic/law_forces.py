@@ -38,14 +38,14 @@ PLACES = 257
 class LawAnswer:
     """Torque (N,) in N m of a law over a period, with its slopes over the motion x and over its rate.
 
-    ``since`` are, of friction behind a spring, the stretches in which it sticks, as masks (N,), each with the sample at
-    which it last stopped slipping: the torque changes with x less what x was then.
+    ``since`` are, of friction behind a spring, the stretches in which it sticks, as shares (N,), each with the sample
+    at which it last stopped slipping: the torque changes with x less what x was then.
     """
 
     torque: FloatArray
     slope: FloatArray
     rate_slope: FloatArray | None = None
-    since: tuple[tuple[NDArray[np.bool_], int], ...] = field(default=())
+    since: tuple[tuple[NDArray[np.bool_] | FloatArray, int], ...] = field(default=())
 
 
 class Force(Protocol):
@@ -149,6 +149,14 @@ class PieceForce:
                 slope[pair] += np.array([1 - theta, theta]) * jump / (x[j] - x[i])
 
     def answer_to(self, x: FloatArray, rate: FloatArray | None) -> LawAnswer:
+        torque, slope, rate_slope, acting = self.acting(x, rate)
+        self._share_corners(acting, x, rate, (torque, slope, rate_slope))
+        return LawAnswer(torque, slope, rate_slope)
+
+    def acting(
+        self, x: FloatArray, rate: FloatArray | None
+    ) -> tuple[FloatArray, FloatArray, FloatArray | None, NDArray[np.intp]]:
+        """Torques, slopes, slopes over the rate, and numbers of the pieces that act (N,) at single times."""
         followed = rate if self.over_rate and rate is not None else x
         piece = np.searchsorted(self.corners, followed, side="right")
         torque = self.torques[piece] + self.stiffnesses[piece] * x
@@ -163,8 +171,7 @@ class PieceForce:
         if pulls.any():
             torque, slope = np.where(pulls, 0.0, torque), np.where(pulls, 0.0, slope)
             rate_slope = None if rate_slope is None else np.where(pulls, 0.0, rate_slope)
-        self._share_corners(np.where(pulls, piece - side.astype(int), piece), x, rate, (torque, slope, rate_slope))
-        return LawAnswer(torque, slope, rate_slope)
+        return torque, slope, rate_slope, np.where(pulls, piece - side.astype(int), piece)
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,7 +226,9 @@ class SliderForce:
         moving = np.flatnonzero(ahead)
         turns = moving[ahead[moving] != np.roll(ahead[moving], 1)]
         if not len(turns) or k * (x.max() - x.min()) <= 2 * most:  # it sticks for good, from the middle of its swing
-            return LawAnswer(k * (x - (x.max() + x.min()) / 2), np.full(n, k))
+            ends = int(x.argmax()), int(x.argmin())
+            half = np.full(n, 0.5)
+            return LawAnswer(k * (x - x[[*ends]].mean()), np.full(n, k), None, tuple((half, at) for at in ends))
         # From the largest twist on, where it slips, monotone from reversal to reversal.
         order = np.roll(turns, -int(np.argmax(x[turns])))
         torque, stuck = np.zeros(n), np.zeros(n, dtype=bool)

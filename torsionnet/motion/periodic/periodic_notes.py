@@ -7,6 +7,7 @@ from itertools import groupby
 
 import numpy as np
 
+from torsionnet.model.motion_laws.smooth_curves import CubicCurve
 from torsionnet.motion.periodic.all_branches import FoundBranch
 from torsionnet.motion.periodic.periodic_result import PeriodicResponse
 
@@ -14,6 +15,8 @@ FEW_HARMONICS = "with {count} harmonic{s}, further ones would move the twist of 
 MORE = "there may be more: branches that none of these starts leads to are not found"
 CLOSER = 4.669201609
 """Factor by which doublings of a cascade follow each other ever closer (M. J. Feigenbaum, 1978)."""
+NOTHING = 1e-7
+"""Distance of a multiplier from 1 that is rounding."""
 MANY = 3
 """Doublings one after the other from which on a cascade is expected."""
 
@@ -23,18 +26,19 @@ def periodic_notes(
     branches: Sequence[FoundBranch],
     beyond: Sequence[tuple[int, float, str]],
     missed: Sequence[float],
+    unsure: Sequence[tuple[str, float]],
 ) -> Iterator[str]:
     """Yield the notes of a response.
 
-    ``beyond`` are motions beyond tables by branch and place, with the reason, and ``missed`` places at which a branch
-    passes without a motion found.
+    ``beyond`` are motions beyond tables by branch and place, with the reason, ``missed`` places at which a branch
+    passes without a motion found, and ``unsure`` places by the reason for which stability is not determined.
     """
     off = [motion for motion in response.motions if motion.left_out > 1e-5]
     if off:
         worst = max(off, key=lambda motion: motion.left_out)
         s = "" if worst.harmonics == 1 else "s"
         yield FEW_HARMONICS.format(count=worst.harmonics, s=s, share=worst.left_out)
-    doubled = {motion.periods for motion in response.motions}
+    doubled = {branch.problem.subharmonics for branch in branches}
     for turn in response.turns("doubling"):
         follow = "" if 2 * turn.periods in doubled else f"; subharmonics={2 * turn.periods} follows it"
         yield f"at {_at(response, turn.at)} the motion of branch {turn.branch + 1} doubles its period{follow}"
@@ -59,7 +63,10 @@ def periodic_notes(
         yield f"{span} motions of branch {number + 1} are left out: {places[0][2]}"
     if missed:
         yield f"{_span(response, sorted(missed))} a branch passes, but with the harmonics it needs none was found there"
-    yield from _unstable(response)
+    for why, same in groupby(sorted(unsure), key=lambda each: each[0]):
+        yield f"{_span(response, [at for _, at in same])} stability is not determined: {why}"
+    yield from _held(response)
+    yield from _unstable(response, branches)
     yield MORE
 
 
@@ -98,10 +105,27 @@ def _cascades(response: PeriodicResponse, branches: Sequence[FoundBranch]) -> It
         yield f"{text}, beyond about {response.shown(chaos):.5g} {response.unit} chaos; simulate shows it"
 
 
-def _unstable(response: PeriodicResponse) -> Iterator[str]:
+def _held(response: PeriodicResponse) -> Iterator[str]:
+    """Yield a note where friction sticks all along: its slider may stand elsewhere, and nothing brings it back."""
+    held = {
+        one.at for one in response.motions if one.is_stable and np.abs(one.multipliers).max(initial=0.0) > 1 - NOTHING
+    }
+    if held:
+        text = "friction sticks all along, with any mean torque that it holds: the mean may differ by what was before"
+        yield f"{_span(response, sorted(held))} {text}"
+
+
+def _unstable(response: PeriodicResponse, branches: Sequence[FoundBranch]) -> Iterator[str]:
     places = sorted({motion.at for motion in response.motions if not motion.turn})
     lonely = [at for at in places if response.motions_at(at) and not response.stable_at(at)]
     sure = [at for at in lonely if all(motion.is_stable is False for motion in response.motions_at(at))]
-    if sure:
-        text = "none of the motions found is stable: what is met doubles, has a second frequency, or is chaotic"
-        yield f"{_span(response, sure)} {text}; simulate shows it"
+    if not sure:
+        return
+    text = "none of the motions found is stable: what is met doubles, has a second frequency, or is chaotic"
+    for law in branches[0].problem.plant.laws if branches else ():
+        curve = law.law.curve
+        if isinstance(curve, CubicCurve) and curve.cubic < 0:
+            # k g + k_3 g^3 = 0
+            end = float(np.sqrt(curve.stiffness / -curve.cubic))
+            text += f", or runs away: beyond {end:.4g} rad {law.owner} pushes on outward"
+    yield f"{_span(response, sure)} {text}; simulate shows it"

@@ -28,8 +28,12 @@ Harmonics = int | Literal["auto"]
 
 FIRST_HARMONICS, MOST_HARMONICS = 24, 600
 """Harmonics of the first solution, and at most."""
+MOST_OF_STEPS = 250
+"""Most harmonics in a period of the torques where laws have steps: over contact states the motion closes exactly."""
 LEFT_OUT = 1e-6
 """Motion by the torques of all harmonics left out, over the peak to peak, from which more harmonics are taken."""
+DRIVEN = 1e-3
+"""Share of the largest motion under one harmonic of the torques, without laws, from which another one counts."""
 LEAST = 0.1
 """Least size of a motion along branches, over that with springs in place of the laws."""
 MORE = 1.6
@@ -80,7 +84,7 @@ class PeriodicProblem:
 
     ``parameter_scale`` is the length of the parameter along branches, 0 for the parameter itself, and ``least_size``
     (n_laws,) that of motions at least. ``shares`` (n_laws,) of a parameter put laws over the twist in the place of
-    their springs k_0, wholly where there is none.
+    their springs k_0, wholly where there is none. ``driven_to`` is the highest harmonic of the torques that counts.
     """
 
     parameter_scale = 0.0
@@ -93,8 +97,10 @@ class PeriodicProblem:
             force_of(law.owner, law.law, partial(plant.spring_before, place, omega), self._size(place, omega))
             for place, law in enumerate(plant.laws)
         )
-        driven = self.balance(at, FIRST_HARMONICS).driven
+        driven = self.balance(at, max(FIRST_HARMONICS, subharmonics * (len(drive.loads(at)) - 1))).driven
         moved = np.linalg.norm(driven[1:], axis=0)
+        shares = np.abs(driven[::subharmonics]).max(axis=1)[1:]
+        self.driven_to = 1 + int(np.flatnonzero(shares >= DRIVEN * shares.max(initial=0.0))[-1])
         self.least_size = LEAST * np.where(moved > 0, moved, np.abs(driven).max(initial=0.0) or 1.0)
 
     def _size(self, law: int, omega: float) -> float:
@@ -118,17 +124,22 @@ class PeriodicProblem:
 
     def balance(self, parameter: float, harmonics: int) -> HarmonicBalance:
         """Equations at a parameter."""
+        omega, speed = self.drive.omega(parameter) / self.subharmonics, self.drive.speed(parameter)
+        equations = balance_of(self.plant, self.forces, omega, self._loads(parameter), harmonics, speed)
+        return equations if self.shares is None else replace(equations, G=equations.G * self.shares(parameter))
+
+    def _loads(self, parameter: float) -> ComplexArray:
+        """Harmonics (n, n_in) in N m of the torques over the period of the motions."""
         loads, nu = self.drive.loads(parameter), self.subharmonics
         spread = np.zeros((nu * (len(loads) - 1) + 1, loads.shape[1]), dtype=complex)
         spread[::nu] = loads
-        omega, speed = self.drive.omega(parameter) / nu, self.drive.speed(parameter)
-        equations = balance_of(self.plant, self.forces, omega, spread, harmonics, speed)
-        return equations if self.shares is None else replace(equations, G=equations.G * self.shares(parameter))
+        return spread
 
     def solve(self, parameter: float, start: ComplexArray, harmonics: Harmonics = "auto") -> PeriodicMotion | None:
         """Periodic motion from a start, with the harmonics asked for or as many as it needs; None without one."""
         count = FIRST_HARMONICS * self.subharmonics if harmonics == "auto" else harmonics
         count = max(count, len(start) - 1) if harmonics == "auto" else count
+        most = max(self.most_harmonics, count)
         x = start
         while True:
             balance = self.balance(parameter, count)
@@ -137,9 +148,9 @@ class PeriodicProblem:
                 return None
             x = solved
             motion = self.motion(parameter, x, balance)
-            if harmonics != "auto" or motion.left_out < LEFT_OUT or count >= MOST_HARMONICS:
+            if harmonics != "auto" or motion.left_out < LEFT_OUT or count >= most:
                 return motion
-            count = min(int(np.ceil(MORE * count)), MOST_HARMONICS)
+            count = min(int(np.ceil(MORE * count)), most)
 
     def motion(self, parameter: float, x: ComplexArray, balance: HarmonicBalance) -> PeriodicMotion:
         """Solved motion, with what the harmonics left out would move."""
@@ -150,7 +161,14 @@ class PeriodicProblem:
         behind = np.array([force.yielding if force.behind_spring else 0.0 for force in self.forces])
         # What the torques of harmonics H + 1 to 2 H would twist, as a share of the swing: how far the series is cut.
         moved = np.abs(np.einsum("kli,ki->kl", self.plant.rows @ further.own, more) - more * behind).sum(axis=0)
-        swing = np.array([np.ptp(over_time(own, samples(H))) for own in self._angles(x, torques, balance.omega).T])
+        # torques from outside at higher harmonics
+        loads = self._loads(parameter)[H + 1 :]
+        if loads.any():
+            beyond = self.plant.receptances(balance.omega, range(H + 1, H + 1 + len(loads)))
+            moved += np.abs(self.plant.rows @ beyond.driven @ loads[:, :, None]).sum(axis=(0, 2))
+        # over the twist of friction and its spring together, since the friction may stand still
+        twists = np.where(behind > 0, x, self._angles(x, torques, balance.omega))
+        swing = np.array([np.ptp(over_time(own, samples(H))) for own in twists.T])
         left = float((moved / np.where(swing > 0, swing, 1.0)).max(initial=0.0))
         return PeriodicMotion(parameter, balance.omega, x, torques, self.subharmonics, left)
 
@@ -158,6 +176,11 @@ class PeriodicProblem:
     def has_steps(self) -> bool:
         """Whether a law has steps, whose torque over time jumps where no spring stands before it."""
         return any(force.yielding and not force.behind_spring for force in self.forces)
+
+    @property
+    def most_harmonics(self) -> int:
+        """Most harmonics that a motion takes to be right by them alone."""
+        return MOST_OF_STEPS * self.subharmonics if self.has_steps else MOST_HARMONICS
 
     def moved_by_last(self, motion: PeriodicMotion) -> float:
         """Share of a swing by which the last harmonics moved a motion: of laws with steps, more than those left out."""
@@ -205,10 +228,7 @@ class PeriodicProblem:
     def coordinates(self, motion: PeriodicMotion) -> tuple[ComplexArray, ComplexArray]:
         """Harmonics (H + 1, n_q) of the coordinates in rad, and (H + 1, n_in) of the torques on the inputs in N m."""
         receptances = self.plant.receptances(motion.omega, range(motion.harmonics + 1))
-        loads = self.drive.loads(motion.parameter)
-        spread = np.zeros((self.subharmonics * (len(loads) - 1) + 1, loads.shape[1]), dtype=complex)
-        spread[:: self.subharmonics] = loads
-        u = fitted(spread, motion.harmonics)
+        u = fitted(self._loads(motion.parameter), motion.harmonics)
         yielding = np.array([force.yielding for force in self.forces])
         # The receptances hold the springs k_ref in place of the laws: the laws add what exceeds k_ref x.
         tau = motion.torques * (1 + self.plant.references * yielding) - self.plant.references * motion.x

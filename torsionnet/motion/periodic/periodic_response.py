@@ -16,9 +16,9 @@ from torsionnet.base.threads import one_thread
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.law_stiffness import Functional
 from torsionnet.linear.assembly.rows import FloatArray
-from torsionnet.linear.dynamic_stiffness.transfer_request import named_output
+from torsionnet.linear.dynamic_stiffness.transfer_request import named_outputs
 from torsionnet.linear.responses.shared_response import shared_by_conditions
-from torsionnet.model.channels import Channels, Sensor
+from torsionnet.model.channels import Channels
 from torsionnet.motion.contact_states import MotionStart
 from torsionnet.motion.periodic.all_branches import FoundBranch, all_branches
 from torsionnet.motion.periodic.branch import BranchPoint, located_fold
@@ -27,7 +27,13 @@ from torsionnet.motion.periodic.forcing import Forcing, Torques, over_frequency,
 from torsionnet.motion.periodic.harmonic_balance import unpacked
 from torsionnet.motion.periodic.peaks import ListedMotion, with_peaks
 from torsionnet.motion.periodic.periodic_notes import periodic_notes
-from torsionnet.motion.periodic.periodic_problem import MORE, Harmonics, PeriodicMotion, PeriodicProblem, peak_to_peak
+from torsionnet.motion.periodic.periodic_problem import (
+    MORE,
+    Harmonics,
+    PeriodicMotion,
+    PeriodicProblem,
+    peak_to_peak,
+)
 from torsionnet.motion.periodic.periodic_result import EDGES, FoundMotion, PeriodicResponse
 from torsionnet.motion.periodic.stability import Stability, stability_of
 from torsionnet.motion.periodic.starts import without_start
@@ -36,8 +42,8 @@ POINTS_READ = 1000
 """Points in a period at which outputs are read for their extremes, besides all corners."""
 BEGUN = {"doubling": "doubled", "symmetry": "lopsided"}
 """Words for branches that begin where others fork, by the kind of the fork."""
-ENOUGH, MOST_TAKEN = 1e-5, 250
-"""Share of a swing that the last harmonics may move where laws have steps, and most of them in a period of torques."""
+ENOUGH = 1e-5
+"""Share of a swing that the last harmonics may move where laws have steps."""
 AROUND = (0.8, 1.25)
 """Range over a single place in which branches are followed: doubled motions begin beside it."""
 AMPLITUDES = 16
@@ -101,7 +107,7 @@ def periodic_response(
     >>> sorted((round(float(at.highest[0]), 4), at.stability) for at in response.motions_at(1.2/6.283185307))
     [(0.4177, 'stable'), (2.2866, 'unstable: leaves'), (2.5456, 'stable')]
     """
-    _require(frequencies, speeds, harmonics, subharmonics)
+    _require(frequencies, speeds, speed_of, harmonics, subharmonics)
     if excitation is not None and not isinstance(excitation, str | Mapping):
         excitation = tuple(excitation)
     forcing = (
@@ -113,8 +119,7 @@ def periodic_response(
     if not plant.laws:
         text = "the drivetrain has no laws of motion: it is linear, and has a frequency or order response"
         raise UsageError(text, kind="no-effect")
-    asked = [output] if isinstance(output, str | Sensor) else list(output)
-    readings = [named_output(plant.placed.drivetrain, channel) for channel in asked]
+    readings = named_outputs(plant.placed.drivetrain, output)
     plant.require_balance(forcing.drive.loads(float(forcing.parameters[0]))[0].real)
     low, high = float(forcing.parameters[0]), float(forcing.parameters[-1])
     if low == high and subharmonics > 1:
@@ -150,9 +155,10 @@ def _branches(
     )
 
 
-def _require(frequencies: Any, speeds: Any, harmonics: Any, subharmonics: Any) -> None:
-    if frequencies is not None and speeds is not None:
-        raise UsageError("give frequencies or speeds, not both", kind="contradicting-entries")
+def _require(frequencies: Any, speeds: Any, speed_of: str | None, harmonics: Any, subharmonics: Any) -> None:
+    if frequencies is not None and (speeds is not None or speed_of is not None):
+        text = "give frequencies, or speeds and the node that they are of, not both"
+        raise UsageError(text, kind="contradicting-entries")
     if harmonics != "auto" and not (isinstance(harmonics, int) and harmonics >= 1):
         text = f'harmonics is "auto" or a whole number from 1 on, got {harmonics!r}'
         raise UsageError(text, kind="out-of-range")
@@ -168,6 +174,7 @@ def _result(
     motions: list[FoundMotion] = []
     beyond: list[tuple[int, float, str]] = []
     missed: list[float] = []
+    unsure: list[tuple[str, float]] = []
     for number, branch in enumerate(branches):
         listed = list(motions_along(branch, forcing.parameters, harmonics, missed))
         ends = float(forcing.parameters[0]), float(forcing.parameters[-1])
@@ -175,8 +182,11 @@ def _result(
             left = branch.problem.beyond(each.motion)
             if left:
                 beyond.append((number, each.motion.parameter, left))
-            else:
-                motions.append(_motion_read(branch.problem, each.motion, each.turn, number, readings, harmonics))
+                continue
+            found, why = _motion_read(branch.problem, each.motion, each.turn, number, readings, harmonics)
+            motions.append(found)
+            if why:
+                unsure.append((why, found.at))
     if not motions:
         what = beyond[0][2] if beyond else "no motion was found where one was asked for; ask for more places"
         raise SolveError(what, kind="beyond-table" if beyond else "no-period")
@@ -190,7 +200,7 @@ def _result(
         if branch.begins is not None
     }
     ways = tuple(begun.get(number, way) for number, way in enumerate(response.ways))
-    return replace(response, ways=ways, notes=tuple(periodic_notes(response, branches, beyond, missed)))
+    return replace(response, ways=ways, notes=tuple(periodic_notes(response, branches, beyond, missed, unsure)))
 
 
 def motions_along(
@@ -240,7 +250,8 @@ def _between(
 def _motion_read(
     problem: PeriodicProblem, motion: PeriodicMotion, turn: str, branch: int, readings: Sequence[Functional],
     harmonics: Harmonics,
-) -> FoundMotion:  # fmt: skip
+) -> tuple[FoundMotion, str]:  # fmt: skip
+    """Motion with its readings, and why its stability is not determined, empty where it is."""
     on_edge = turn in EDGES
     stability = stability_of(problem, motion, on_edge=on_edge)
     if problem.has_steps and harmonics == "auto":
@@ -251,11 +262,12 @@ def _motion_read(
     lowest, highest = _extremes(stability, amplitudes, readings)
     angles, speeds = _node_states(problem, motion, stability)
     words = stability.words
-    return FoundMotion(
+    found = FoundMotion(
         motion.parameter, branch, turn, motion.subharmonics, motion.harmonics, motion.left_out, lowest, highest,
         amplitudes[: AMPLITUDES * motion.subharmonics + 1], stability.multipliers,
         f"on the edge: {turn}" if on_edge and not stability.undetermined else words, angles, speeds,
     )  # fmt: skip
+    return found, stability.undetermined
 
 
 def _with_steps(
@@ -267,7 +279,7 @@ def _with_steps(
     """
     while stability.passage is None:
         motion = replace(motion, left_out=max(motion.left_out, problem.moved_by_last(motion)))
-        if motion.left_out < ENOUGH or motion.harmonics * MORE > MOST_TAKEN * problem.subharmonics:
+        if motion.left_out < ENOUGH or motion.harmonics * MORE > problem.most_harmonics:
             break
         finer = problem.solve(motion.parameter, motion.x, int(motion.harmonics * MORE))
         if finer is None:

@@ -1,37 +1,29 @@
 """Stability of periodic motions by their multipliers, exact over contact states or from the variational equation.
 
-Laws of straight pieces: the monodromy over the contact states of a period that closes to rounding. Laws without steps:
-the equation x' = (A - sum_l a_l s_l(t) b_l^T) x with the slopes s_l of the laws along the motion, stepped by the method
-of Magnus of fourth order (S. Blanes et al., The Magnus expansion and some of its applications, Physics Reports 470,
-2009). Delays, and laws that depend on frequency, have no finite state: there Hill's determinant counts what grows, or
-stability is said to be not determined.
+Laws of straight pieces: the monodromy over the contact states of a period that closes to rounding, as also of friction.
+Beside smooth laws that of :mod:`.variational`, with the state of friction behind a spring. Delays, and laws that depend
+on frequency, have no finite state: there Hill's determinant counts what grows, or stability is said to be not
+determined.
 """
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
-import scipy
 
-from torsionnet.base.errors import SolveError, TorsionnetError, UsageError
-from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
-from torsionnet.motion.contact_form import contact_form, relative_form
-from torsionnet.motion.motion_plant import Drive, Layout
-from torsionnet.motion.periodic.contact_passage import ContactMarch, Passage, multipliers_of, without_turning
-from torsionnet.motion.periodic.harmonic_balance import over_time
+from torsionnet.base.errors import TorsionnetError, UsageError
+from torsionnet.linear.assembly.rows import ComplexArray
+from torsionnet.motion.periodic.contact_passage import ContactMarch, Passage, multipliers_of
 from torsionnet.motion.periodic.hill import hill_multipliers
-from torsionnet.motion.periodic.law_forces import CurveForce, PieceForce
 from torsionnet.motion.periodic.periodic_problem import PeriodicMotion, PeriodicProblem
+from torsionnet.motion.periodic.variational import variational_monodromy
 
 CLOSED = 1e-7
 """Share of a state by which a period over contact states may stay open."""
 NEAR, NEAR_OF_STEPS = 1e-3, 0.05
 """Share of a state by which the period that closes may begin elsewhere than the motion of harmonics, which fall slowly
 where laws have steps."""
-STEPS_PER_HARMONIC, FEWEST_STEPS = 16, 512
-"""Steps of Magnus's method in a period over the harmonics, and at least."""
 MOST_CLOSED = 8
 """Most Newton steps by which a period over contact states closes."""
 ON_CIRCLE = 1e-7
@@ -101,16 +93,22 @@ def stability_of(problem: PeriodicProblem, motion: PeriodicMotion, *, on_edge: b
     """Stability of a periodic motion; where it is ``on_edge`` no period near it closes better than another."""
     try:
         split = problem.plant.in_time
-    except UsageError as error:
+    except UsageError:
         counted = hill_multipliers(problem, motion)
         if counted is None:
-            return Stability(np.zeros(0, dtype=complex), str(error))
+            sticks = any(force.yielding for force in problem.forces)
+            why = "friction that sticks has no slopes for" if sticks else "two truncations do not agree on"
+            text = f"delays and laws that depend on frequency or on what was have no states, and {why}"
+            return Stability(np.zeros(0, dtype=complex), f"{text} Hill's determinant")
         return Stability(counted[1], growing=counted[0])
     if not split.smooth and not problem.plant.turning.any():
         return _over_contacts(problem, motion, 0 if on_edge else MOST_CLOSED)
-    if all(isinstance(force, CurveForce | PieceForce) for force in problem.forces):
-        return _variational(problem, motion)
-    return Stability(np.zeros(0, dtype=complex), "friction that sticks beside laws without straight pieces")
+    if problem.has_steps:
+        return Stability(np.zeros(0, dtype=complex), "friction that sticks beside laws without straight pieces")
+    try:
+        return Stability(multipliers_of(variational_monodromy(problem, motion)))
+    except TorsionnetError as error:
+        return Stability(np.zeros(0, dtype=complex), str(error))
 
 
 def _over_contacts(problem: PeriodicProblem, motion: PeriodicMotion, most: int) -> Stability:
@@ -130,53 +128,3 @@ def _over_contacts(problem: PeriodicProblem, motion: PeriodicMotion, most: int) 
     over_twist = np.array([law.law.curve.over == "twist" for law in problem.plant.laws])
     idle = bool((over_twist & ~motion.torques.any(axis=0)).any())
     return Stability(march.multipliers(passage), march=march, passage=passage, idle=idle)
-
-
-def _variational(problem: PeriodicProblem, motion: PeriodicMotion) -> Stability:
-    plant = problem.plant
-    bare = replace(plant.in_time.plant, laws=())
-    n_q, n_laws = plant.rows.shape[1], len(plant.laws)
-    drive = Drive(-plant.rows.T, (), 0, np.zeros((0, 0)), np.zeros((n_laws, 0)))
-    at = Layout(n_q, sum(len(action.F) for action in bare.actions), 0, n_laws)
-    try:
-        form = relative_form(bare, at, contact_form(bare, (), (), drive))
-    except (UsageError, SolveError) as error:
-        return Stability(np.zeros(0, dtype=complex), str(error))
-    own = slice(0, 2 * n_q + at.n_c)
-    A, entry = form.A[own, own], form.A[own, at.u]
-    position, speed, _ = form.motion
-    if np.abs(plant.rows @ position[:, at.u]).max(initial=0.0) > 0:
-        return Stability(np.zeros(0, dtype=complex), "a law acts where nothing has inertia")
-    angles, rates = plant.rows @ position[:, own], plant.rows @ speed[:, own]
-    period = 2 * math.pi / motion.omega
-    count = max(FEWEST_STEPS, STEPS_PER_HARMONIC << (motion.harmonics - 1).bit_length())
-    h = period / count
-    # A(t) at the two Gauss points of every step
-    first, second = (
-        A + np.einsum("il,nlj->nij", entry, _slopes(problem, motion, angles, rates, count, place))
-        for place in (0.5 - math.sqrt(3) / 6, 0.5 + math.sqrt(3) / 6)
-    )
-    exponents = h / 2 * (first + second) - math.sqrt(3) / 12 * h**2 * (first @ second - second @ first)
-    product = np.eye(len(A))
-    for step in np.asarray(scipy.linalg.expm(exponents)):
-        product = step @ product
-    return Stability(multipliers_of(without_turning(product, bare, at)))
-
-
-def _slopes(
-    problem: PeriodicProblem, motion: PeriodicMotion, angles: FloatArray, rates: FloatArray, count: int, place: float
-) -> FloatArray:
-    """Changes (count, n_laws, n) of the torques of laws over the states, at a place from 0 to 1 in every step."""
-    k = np.arange(motion.harmonics + 1)
-    over_states = []
-    for number, force in enumerate(problem.forces):
-        # x at t + place h: every harmonic turned on by that much
-        x = motion.x[:, number] * np.exp(2j * math.pi * k * place / count)
-        turning = problem.plant.turning[number] * problem.drive.speed(motion.parameter)
-        rate = over_time(1j * motion.omega * k * x, count) + turning if force.needs_rate else None
-        answer = force.answer_to(over_time(x, count), rate)
-        change = answer.slope[:, None] * angles[number]
-        if answer.rate_slope is not None:
-            change = change + answer.rate_slope[:, None] * rates[number]
-        over_states.append(change)
-    return np.stack(over_states, axis=1)

@@ -74,7 +74,7 @@ def _way(problem: PeriodicProblem, parameter: float) -> tuple[Tracer | None, lis
     if rest is None:
         return None, []
     way = problem.with_drive(_scaled_loads(problem, parameter, vibrates=True), parameter_scale=1.0)
-    harmonics = TRACED_HARMONICS * problem.subharmonics
+    harmonics = max(TRACED_HARMONICS, problem.driven_to) * problem.subharmonics
     tracer = Tracer(way, harmonics)
     point = tracer.first(0.0, fitted(rest, harmonics), 1.0)
     if point is None:
