@@ -216,7 +216,7 @@ def _stretches_held(force: SliderForce, course: LawCourse, harmonics: int) -> It
 
 
 def _is_held(times: FloatArray, held: list[tuple[float, float]], period: float) -> FloatArray:
-    """Ones where friction sticks at times (n,) in s."""
+    """Share (n,) of the spring before friction that acts at times in s: 1 where it sticks, 0 where it slips."""
     if not held:
         return np.ones(len(times))
     sticks = np.zeros(len(times))
