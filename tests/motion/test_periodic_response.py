@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from math import pi
 
 import numpy as np
 import pytest
 from support.command_line import run
-from support.periodic_rigs import car, duffing, free_clearance, two_stage_rig
+from support.periodic_rigs import car, duffing, free_clearance, gear_pair, order_2, rubbing_mass, two_stage_rig
 
 import torsionnet as tn
 from torsionnet.base.errors import UsageError
 from torsionnet.motion import MotionStart
-from torsionnet.motion.periodic.periodic_result import PeriodicResponse
+from torsionnet.motion.periodic.periodic_result import FoundMotion, PeriodicResponse
 
 RPM = pi / 30
 
@@ -82,28 +83,71 @@ def test_unstable_parts_are_dashed(driven_car):
     assert ":" not in styles
 
 
-def _swept(rig: tn.Drivetrain, motion, periods: float, frequency: float, samples: int) -> np.ndarray:
-    """Twist of the flywheel over so many periods from a motion, at ``samples`` points of a period."""
-    rate = samples * frequency
-    scenario = {"type": "torques", "duration": periods / frequency, "rate": rate, "torque": {
-        "motor": {"mean": 40, "amplitude": 60, "frequency": frequency}}}  # fmt: skip
-    start = MotionStart(angles=motion.angles, speeds=motion.speeds)
-    return rig.simulate(["twist(dmf)"], scenario=scenario, initial_state=start)["twist(dmf)"].values
+Swept = dict[str, tuple[float, float, int, float]]
+"""Torques by input: mean and amplitude in N m, harmonic, and phase in degrees."""
+CAR: Swept = {"T_2": (60, 300, 1, 0), "T_4": (0, 60, 2, -90), "T_V": (-60, 0, 1, 0)}
 
 
-def test_simulation_stays_on_a_stable_motion_and_leaves_an_unstable_one_at_its_multiplier():
-    rig = two_stage_rig()
-    found = rig.periodic_response("twist(dmf)", frequencies=[11.0, 11.3], excitation={"T_M": {0: 40, 1: 60}})
-    for motion in found.motions_at(11.0):
+def _car() -> tn.Drivetrain:
+    return car(
+        inputs={name: {"torque": node} for name, node in (("T_2", "engine"), ("T_4", "engine"), ("T_V", "vehicle"))}
+    )
+
+
+@pytest.mark.parametrize(
+    ("rig", "output", "torques", "at", "periods"),
+    [
+        (two_stage_rig, "twist(dmf)", {"motor": (40, 60, 1, 0)}, 11, 1),
+        *(
+            pytest.param(*case, marks=pytest.mark.nightly)
+            for case in (
+                (duffing, "a", {"a": (0, 0.18, 1, 0)}, 1.2 / (2 * pi), 1),
+                (two_stage_rig, "twist(dmf)", {"motor": (40, 60, 1, 0)}, 15, 2),
+                (gear_pair, "x", {"x": (0.1, 0.032, 1, 0)}, 0.7 / (2 * pi), 1),
+                (rubbing_mass, "x", {"x": (0, 3, 1, 0)}, 13.15039, 1),
+                (free_clearance, "twist(gap)", {"a": (25, 40, 1, 0), "b": (-25, 0, 1, 0)}, 30, 1),
+                (free_clearance, "twist(gap)", {"a": (25, 40, 1, 0), "b": (-25, 0, 1, 0)}, 45, 2),
+                (_car, "twist(dmf)", CAR, order_2(1150), 1),
+                (_car, "twist(dmf)", CAR, order_2(1700), 2),
+                (partial(gear_pair, 0.06), "x", {"x": (0.12, 0.6, 1, 0)}, 1.9 / (2 * pi), 2),
+            )
+        ),
+    ],
+)
+def test_simulation_stays_on_a_stable_motion_and_leaves_an_unstable_one_at_its_multiplier(
+    rig, output, torques: Swept, at, periods
+):
+    plant = rig()
+    loads = {
+        name: {h: a for h, a in ((0, mean), (harmonic, amplitude * np.exp(1j * np.radians(phase)))) if a}
+        for name, (mean, amplitude, harmonic, phase) in torques.items()
+    }
+    found = plant.periodic_response(output, frequencies=[at], excitation=loads, subharmonics=periods)
+    courses = {
+        name: {"mean": mean, "amplitude": amplitude, "frequency": harmonic * at, "phase": np.radians(phase)}
+        if amplitude
+        else mean
+        for name, (mean, amplitude, harmonic, phase) in torques.items()
+    }
+
+    def swept(motion: FoundMotion, count: int, samples: int, nudge: float = 0.0) -> np.ndarray:
+        """Output over so many periods from a motion, at ``samples`` points of a period of the torques."""
+        scenario = {"type": "torques", "duration": count / at, "rate": samples * at, "torque": courses}
+        angles = {node: angle * (1 + nudge) + nudge / 100 for node, angle in motion.angles.items()}
+        start = MotionStart(angles=angles, speeds=motion.speeds)
+        return plant.simulate([output], scenario=scenario, initial_state=start)[output].values
+
+    assert any(motion.periods == periods for motion in found.stable_at(at))
+    for motion in found.motions_at(at):
         if motion.is_stable:
-            twist = _swept(rig, motion, 50, 11.0, 16)
-            assert np.abs(twist[-1] - twist[0]) < 1e-7 * np.ptp(twist)
+            values = swept(motion, 50 * motion.periods, 16)
+            assert np.abs(values[-1] - values[0]) < 1e-7 * np.ptp(values)
             continue
-        nudged = {node: angle * (1 + 1e-7) for node, angle in motion.angles.items()}
-        from_it = _swept(rig, motion, 16, 11.0, 1)
-        off = _swept(rig, type(motion)(**{**vars(motion), "angles": nudged}), 16, 11.0, 1) - from_it
-        growth = off[15] / off[14]
-        assert abs(growth - 1.729186) < 1e-3
+        # until it has left by a factor of 1000 it leaves along the vector of its multiplier
+        multiplier = motion.multipliers[0].real
+        count = int(np.log(1e3) / np.log(abs(multiplier)))
+        off = swept(motion, count, 1, 1e-7) - swept(motion, count, 1)
+        assert abs(off[-1] / off[-2] - multiplier) < 2e-3 * abs(multiplier)
 
 
 @pytest.mark.slow
