@@ -75,6 +75,20 @@ class TestWindows:
         tn.load("two_stroke_ship").configured(condition).check_limits("tail", speeds=[60 * RPM, 80 * RPM], refine=False)
         assert kept == [pytest.approx(105 * RPM), safe and pytest.approx(safe)]
 
+    @pytest.mark.parametrize(("misfire", "verdict"), [(False, "fail"), (True, "barred range")])
+    def test_no_window_is_closed_where_the_rule_lets_no_range_be_barred(self, misfire, verdict):
+        """Barred up to 79.8 rpm and, by the maker of the crankshaft, from 82 rpm on: above lambda = 0.8 M68 bars nothing."""
+        found = stressed(hump(70, 74), m68(), misfire=misfire)
+        crank = replace(found["tau_C"], limit="crank", barred=(SpeedSpan(82 * RPM, 86 * RPM),), free_above=None)
+        speeds = RPM * np.arange(20.0, 104.01, 0.5)
+        done = check(dict(enumerate(without_narrow_windows([found["tau_C"], crank], speeds, [100 * RPM]))))
+        assert done.verdicts[0].verdict == verdict
+        assert done.verdicts[0].barred[0].high == pytest.approx(82 * RPM)
+        told = [remark for remark in done.verdicts[0].remarks if "above 80 rpm, where no range may be barred" in remark]
+        assert len(told) == (not misfire)
+        (row,) = operating_instructions([done])
+        assert (row.from_rpm, row.to_rpm, row.action) == (68, 86, "pass without stopping")
+
     def test_a_single_speed_that_is_barred_is_not_refused(self):
         """The range of one speed has no width."""
         speed = np.array([10.0])
@@ -173,9 +187,15 @@ class TestInstructions:
     def test_the_least_permitted_passage_decides(self, order, misfire):
         """One shaft may pass from 45 to 55 rpm; the other has 120 N/mm^2 at 52 rpm, above its tau_T of 112.6."""
         found = two(hump(90, 50), hump(120, 52), misfire=misfire)
-        (one,) = operating_instructions([check(dict([*found.items()][::order]), misfiring=misfire)])
+        judged = check(dict([*found.items()][::order]), misfiring=misfire)
+        (one,) = operating_instructions([judged])
         assert one.action == "not to be run or passed: not above 45 rpm"
         assert one.elsewhere == "no condition examined reaches higher speeds"
+        normal = check(stressed(hump(90, 50), m68()), "normal")
+        beside = operating_instructions([normal, judged])[-1].elsewhere
+        # Nobody chooses that all cylinders work.
+        ways = {True: "higher speeds only once the fault is mended", False: "pass 45 to 55 rpm in condition normal"}
+        assert beside == ways[misfire]
         assert one.value == pytest.approx(120e6)
         assert one.allowed < one.allowed_in_passing < one.value
         assert one.rpm == pytest.approx(52)

@@ -165,15 +165,16 @@ def test_torques_that_act_the_wrong_way(torques, wrong):
         assert "act in the rotation of prop, -151.822 rpm, but" in found["operating_point.torque.prop"]
 
 
-def test_a_condition_of_less_torque_is_asked_for_its_damping():
+@pytest.mark.parametrize("said", ["propeller.condition: zero_pitch", "propeller.torque: 37.74 kN*m"])
+def test_a_condition_of_less_torque_is_asked_for_its_damping(said):
     """At zero pitch the load is 20 % of full ahead, the propeller says so, too; Archer's damping does not hold."""
     text = SHIP.replace("    torque: 188.7", "    pitch: controllable\n    conditions: {zero_pitch: {torque: 20 %, "
                         "blade_orders: {1: {share: 10 %}}}}\n    torque: 188.7")  # fmt: skip
-    text += "configurations: {pitch: {full: {}, zero: {load.power: 600 kW, propeller.condition: zero_pitch}}}\n"
+    text += "configurations: {pitch: {full: {}, zero: {load.power: 600 kW, SAID}}}\n".replace("SAID", said)
     (found,) = (one for one in tn.loads(text).check() if one.severity == "warning")
     assert found.path == ("configurations", "pitch", "zero", "load.power")
     assert "37.74 kN*m, 20% of" in found.message
-    forgotten = text.replace("load.power: 600 kW, ", "")
+    forgotten = text.replace("load.power: 600 kW, ", "").replace(said, "propeller.condition: zero_pitch")
     (found,) = (one for one in tn.loads(forgotten).check() if one.severity == "warning")
     assert re.search("propeller .* 600 kW .* 3000 kW", found.message)
 

@@ -68,11 +68,11 @@ report: {kind: approval}
 """
 
 
-def told_beside(text):
+def told_beside(text, how="not examined"):
     every = blocks(document(text, "resonances"), "resonances")
     texts = [words(one.text) for one in of(Paragraph, every)]
     texts += [words(note) for one in of(TableBlock, every) for note in one.notes]
-    return [said for one in texts for said in re.findall(r"(?:In|Beside)[^.]*not examined: [^.]*\.\d", one)]
+    return [said for one in texts for said in re.findall(rf"(?:In|Beside)[^.]*{how}: [^.]*\.\d", one)]
 
 
 def test_critical_speeds_outside_whose_flank_matters_are_named_with_their_condition():
@@ -80,6 +80,13 @@ def test_critical_speeds_outside_whose_flank_matters_are_named_with_their_condit
     still = FLANK.replace("even: {}", "even: {gas.orders: {3: {amplitude: 1 N*m}}}")
     assert "In uneven, beside the range and not examined: gas 2, mode 1 at 584.8" in told_beside(still)
     assert told_beside(FLANK) == ["Beside the range of 650 to 800 rpm, not examined: gas 2, mode 1 at 584.8"]
+
+
+def test_critical_speeds_that_starts_pass_are_not_said_to_be_unexamined():
+    text = FLANK.replace("step: 5 rpm", "step: 5 rpm, run_up: {range: 500..650 rpm, load: 100 %}")
+    said = "passed and judged by starts alone"
+    assert told_beside(text, said) == [f"Beside the range of 650 to 800 rpm, {said}: gas 2, mode 1 at 584.8"]
+    assert told_beside(text) == []
 
 
 def test_a_condition_whose_start_is_not_judged_names_the_limit():
@@ -132,3 +139,12 @@ def test_sections_that_a_society_asks_for_are_called_by_their_titles():
     named = {row[2] for row in rows(found)}
     assert named - {"not in this document"} <= titles
     assert {"Critical speeds", "Shafts, crankshaft, couplings, gears, dampers"} <= named
+
+
+def test_orders_above_the_table_of_tangential_pressures_are_said_to_be_left_out():
+    """The masses act up to order 15 of a two-stroke engine, the gas up to the end of its table."""
+    table = "gas: {harmonics: {1: {amplitude: 3 bar, phase: 0 deg}, 2: {amplitude: 1 bar, phase: 9 deg}}}"
+    text = THROWS.replace("orders: [1, 2], gas: {fired: [PRESSURE]}", table)
+    for section in ("harmonics", "resonances", "forced_response"):
+        said = [words(one.text) for one in of(Paragraph, blocks(document(text, section), section))]
+        assert any(one.endswith("not in the tables of the excitations and not examined: engine 2.") for one in said)

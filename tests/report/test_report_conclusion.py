@@ -56,18 +56,18 @@ def test_verdict_is_the_gravest_of_any_condition(ship):
         assert worst.gravest == max(those, key=GRAVITY.index)
 
 
-def test_what_is_not_covered_names_shafts_without_a_limit():
-    limited = tn.loads(
-        SHIP_SHAFTING.replace(
-            "  front_torque:",
-            "  shaft: {rule: iacs_m68, element: tail, shaft: propeller, feature: keyless, material: carbon, "
-            "tensile_strength: 560 MPa}\n  front_torque:",
-        )
+@pytest.mark.parametrize("output", ["torque(front)", "torque(tail)"])
+def test_what_is_not_covered_names_shafts_without_a_limit(output):
+    """A curve judges the shaft whose torque it limits."""
+    text = SHIP_SHAFTING.replace(
+        "  front_torque:",
+        "  shaft: {rule: iacs_m68, element: tail, shaft: propeller, feature: keyless, material: carbon, "
+        "tensile_strength: 560 MPa}\n  front_torque:",
     )
-    (listed,) = of(
-        Listing, blocks(make_report(limited, kind="approval", sections=["conclusion"], date=None), "conclusion")
-    )[1:]
-    assert ("Shafts without a limit, which are not judged: front.",) in listed.items
+    limited = tn.loads(text.replace("output: torque(front)", f"output: {output}"))
+    found = blocks(make_report(limited, kind="approval", sections=["conclusion"], date=None), "conclusion")
+    said = [item for listed in of(Listing, found) for item in listed.items]
+    assert (("Shafts without a limit, which are not judged: front.",) in said) == (output == "torque(tail)")
 
 
 def test_conditions_left_out_are_no_pass(ship):

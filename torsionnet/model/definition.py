@@ -120,6 +120,8 @@ class Definition(Declared):
     """Model as written, if this is the definition with all parts put in, else None."""
     tangents: Tangents | None = field(default=None, compare=False, repr=False)
     """Operating point about which laws of motion are linear; None: at rest without twist."""
+    written: Definition | None = field(default=None, compare=False, repr=False)
+    """Model as written, if this is the definition with alternatives of its configurations, else None."""
     is_asked: bool = field(default=False, compare=False, repr=False)
     """Whether a call has given the operating point, which then holds against working points of elements."""
 
@@ -188,6 +190,7 @@ class Definition(Declared):
             self,
             parameters=parameters,
             operating_point=point,
+            written=self.written or self,
             **self._overridden(overlay.entries, elements),
         )
         return changed if overlay.at is None else changed.at(overlay.at)

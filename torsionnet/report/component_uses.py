@@ -19,6 +19,7 @@ from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, Wors
 from torsionnet.machinery.verdicts.limit_verdict import RuleSymbol, RuleWords
 from torsionnet.model.channels import named_sensor
 from torsionnet.model.definition import Definition
+from torsionnet.model.elements import Shaft
 from torsionnet.report.report_units import engineering_unit, limit_scale
 
 GROUPS = {
@@ -153,10 +154,20 @@ def _cylinders(model: Definition) -> set[str]:
     return {node for engine in engines for node in engine.cylinders.values()}
 
 
+def limited_element(limit: Limit, model: Definition) -> str:
+    """Name of the element that a limit is about, by itself or by the output that it limits; empty where none is."""
+    sensor = named_sensor(limit.output, model.sensors) if isinstance(limit, CurveLimit) else None
+    if sensor is not None:
+        return sensor.of if sensor.is_on_element else ""
+    return getattr(limit, "element", "")
+
+
 def group_of(limit: Limit, model: Definition) -> str:
     """Kind of component that a limit is about, a key of ``GROUPS``."""
-    if isinstance(limit, CurveLimit):
-        sensor = named_sensor(limit.output, model.sensors)
-        if sensor and sensor.is_on_element and _cylinders(model).intersection(model.elements[sensor.of].ports.values()):
+    element = model.elements.get(limited_element(limit, model))
+    if isinstance(limit, CurveLimit) and element is not None:
+        if _cylinders(model).intersection(element.ports.values()):
             return "crankshaft"
+        if isinstance(element, Shaft):
+            return "shafts"
     return next((name for name, rules in GROUPS.items() if limit.kind in rules), "other components")

@@ -19,7 +19,7 @@ from torsionnet.machinery.verdicts.condition_peaks import ConditionPeaks, Judged
 from torsionnet.machinery.verdicts.limit_check import LimitCheck
 from torsionnet.machinery.verdicts.limit_verdict import LimitVerdict
 from torsionnet.machinery.verdicts.order_peaks import LEAST_SHARE, SMALL_SHARE, largest_orders
-from torsionnet.report.critical_remarks import beside_range, cancelling_sources, notes_on_criticals, places_words
+from torsionnet.report.critical_remarks import beside_range, cancelling_sources, notes_on_criticals, places_beside
 from torsionnet.report.document_tree import Cell, Heading, Paragraph, TableBlock, Text
 from torsionnet.report.document_tree import TableGroup as Group
 from torsionnet.report.report_data import Case, ReportData
@@ -194,7 +194,7 @@ def _beside_in(subject: ReportData) -> Iterator[str]:
     Conditions with the same ones have one sentence.
     """
     usual = {record.key for record in not_none(subject.normal_peaks).criticals if record.point is None}
-    conditions_beyond: dict[str, list[str]] = {}
+    conditions_beyond: dict[tuple[bool, str], list[str]] = {}
     for peaks in subject.further_peaks:
         largest = max((record.critical.resonant_amplitude for record in peaks.criticals), default=0.0)
         beyond = [
@@ -204,11 +204,14 @@ def _beside_in(subject: ReportData) -> Iterator[str]:
             and record.key not in usual
             and record.critical.resonant_amplitude >= LEAST_SHARE * largest
         ]
-        if beyond:
-            conditions_beyond.setdefault(places_words(beyond), []).append(peaks.check.configuration)
-    for names, conditions in conditions_beyond.items():
+        for passed_and_names in places_beside(peaks, beyond):
+            conditions_beyond.setdefault(passed_and_names, []).append(peaks.check.configuration)
+    for (passed, names), conditions in conditions_beyond.items():
         where = subject.titles.several(conditions, subject.model.configurations)
-        yield phrase("In {conditions}, beside the range and not examined: {names}.", conditions=where, names=names)
+        text = "In {conditions}, beside the range and not examined: {names}."
+        if passed:
+            text = "In {conditions}, beside the range, passed and judged by starts alone: {names}."
+        yield phrase(text, conditions=where, names=names)
 
 
 def _worst(records: Iterator[JudgedCritical]) -> list[JudgedCritical]:

@@ -86,10 +86,22 @@ def beside_range(peaks: ConditionPeaks, shown: Sequence[JudgedCritical]) -> Iter
         for record in peaks.criticals
         if record.point is None and record.critical.resonant_amplitude >= LEAST_SHARE * strongest
     ]
-    if beyond:
-        low, high = peaks.check.rpm[0], peaks.check.rpm[-1]
+    low, high = peaks.check.rpm[0], peaks.check.rpm[-1]
+    for passed, names in places_beside(peaks, beyond):
         text = "Beside the range of {low:.6g} to {high:.6g} rpm, not examined: {names}."
-        yield phrase(text, low=low, high=high, names=places_words(beyond))
+        if passed:
+            text = "Beside the range of {low:.6g} to {high:.6g} rpm, passed and judged by starts alone: {names}."
+        yield phrase(text, low=low, high=high, names=names)
+
+
+def places_beside(peaks: ConditionPeaks, beyond: Sequence[JudgedCritical]) -> Iterator[tuple[bool, str]]:
+    """Yield whether starts pass critical speeds beside the range of a condition, and the words of these."""
+    start = peaks.check.run_up
+    passes = [start is not None and start.low <= record.critical.natural_speed <= start.high for record in beyond]
+    for passed in (True, False):
+        records = [record for record, is_passed in zip(beyond, passes, strict=True) if is_passed is passed]
+        if records:
+            yield passed, places_words(records)
 
 
 def propeller_dampings(case: Case, records: Sequence[JudgedCritical]) -> Iterator[str]:
@@ -238,7 +250,7 @@ def _distances(subject: ReportData, shown: Sequence[JudgedCritical]) -> Iterator
         if abs(off) < abs(nearest.get(record.name, math.inf)):
             nearest[record.name], modes[record.name] = off, record.critical.mode.number
     closest = sorted(nearest.items(), key=lambda pair: abs(pair[1]))
-    shares = [f"{100 * off:+.1f}".replace("-", "\N{MINUS SIGN}") for _, off in closest]
+    shares = [f"{round(100 * off, 1) + 0.0:+.1f}".replace("-", "\N{MINUS SIGN}") for _, off in closest]
     template = "{order}, mode {mode}: {share} %"
     each = [
         phrase(template, order=as_words(name), mode=modes[name], share=share)

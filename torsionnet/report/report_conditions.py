@@ -163,9 +163,9 @@ def _is_long(value: Any) -> bool:
 
 def _listed(value: Any) -> str:
     if value is None:
-        return "left out"
+        return phrase("left out")
     if isinstance(value, bool):
-        return "yes" if value else "no"
+        return phrase("yes") if value else phrase("no")
     if isinstance(value, Sequence) and not isinstance(value, str):
         return ", ".join(map(_listed, value))
     return typeset_unit(str(value)) if isinstance(value, str) and "*" in value else as_words(str(value))

@@ -30,6 +30,7 @@ from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, Wors
 from torsionnet.model.load.lost_torques import has_lost_cylinders
 from torsionnet.report.document_tree import Block, Cell, Heading, NumberText, Paragraph, Picture, TableBlock, TableGroup
 from torsionnet.report.report_data import Case, ReportData
+from torsionnet.report.report_orders import acting_otherwise
 from torsionnet.report.report_tables import results_table, table, with_decimals
 from torsionnet.report.report_text import as_words, capital, unit
 
@@ -257,6 +258,11 @@ def engine_blocks(subject: ReportData, case: Case, name: str, engine: Reciprocat
     speed, own = shaft_speeds(case.drivetrain, name)
     blocks: list[Block] = [Paragraph((_firing(name, engine),))]
     blocks += _pressures(subject, case, name, engine, own / speed)
+    # Another load, as at zero pitch, has mean pressures of its own.
+    for other in acting_otherwise(subject, name, "load"):
+        loaded = other.drivetrain.definition.excitations[name]
+        if isinstance(loaded, ReciprocatingEngine) and loaded.load != engine.load:
+            blocks += _pressures(subject, other, name, loaded, own / speed, other.title)
     harmonics = cylinder_harmonics(engine, own)
     # The largest by torque, listed by order.
     largest = sorted(harmonics, key=lambda harmonic: -harmonic.torque)[:MOST_ORDERS]
@@ -323,7 +329,9 @@ def _firing(name: str, engine: ReciprocatingEngine) -> str:
     )
 
 
-def _pressures(subject: ReportData, case: Case, name: str, engine: ReciprocatingEngine, ratio: float) -> list[Block]:
+def _pressures(
+    subject: ReportData, case: Case, name: str, engine: ReciprocatingEngine, ratio: float, condition: str = ""
+) -> list[Block]:
     speeds = case.drivetrain.definition.speeds
     assert speeds is not None
     low, high = float(speeds.values[0]), float(speeds.values[-1])
@@ -348,6 +356,7 @@ def _pressures(subject: ReportData, case: Case, name: str, engine: Reciprocating
     caption = phrase(
         in_words_of([engine], "{name}: {pressures}, all cylinders working"), name=_name(name), pressures=phrase(what)
     )
+    caption = joined(", ", (caption, condition)) if condition else caption
     block = with_decimals(results_table(made, caption), {"bar": 2, "kW": 0, "rpm": 1})
     if engine.absorbs:
         return [block]

@@ -5,24 +5,34 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+import numpy as np
+
 from torsionnet.base.number_text import MISSING_TYPESET, NumberText, aligned_numbers
-from torsionnet.base.phrases import phrase
+from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.units import RPM
 from torsionnet.machinery.excitations.propeller_torque import PropellerTorque
+from torsionnet.machinery.excitations.reciprocating_engine import ReciprocatingEngine
+from torsionnet.machinery.orders.order_solution import shaft_speeds
 from torsionnet.machinery.phasors.excitation_lines import excitation_lines
 from torsionnet.report.document_tree import Cell, Heading, TableBlock
-from torsionnet.report.report_data import Case
+from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital, unit
 
 KILO = 1e-3
 """Factor from N m to kN m."""
+ORDERS_END = (
+    "Orders above these, each of its own shaft, are not in the tables of the excitations and not examined: {orders}."
+)
+"""Sentence on what no peak and no sum contains."""
 MOST_LINES = 20
 """Largest number of orders of other excitations in the table; of more it says how many."""
 
 
-def propeller_block(case: Case, name: str, propeller: PropellerTorque) -> TableBlock:
+def propeller_block(case: Case, name: str, condition: str = "") -> TableBlock:
     """Table of a propeller's blade orders, share of its mean torque, amplitude in kN m and phase in degrees."""
+    propeller = case.drivetrain.definition.excitations[name]
+    assert isinstance(propeller, PropellerTorque)
     lines = excitation_lines(case.drivetrain, name)
     torque, exponent = propeller.law
     columns = (
@@ -42,7 +52,7 @@ def propeller_block(case: Case, name: str, propeller: PropellerTorque) -> TableB
         [NumberText(phase, 4, 1) for phase in taken],
         strict=True,
     )
-    state = f", {as_words(propeller.condition)}" if propeller.condition else ""
+    state = f", {condition or as_words(propeller.condition)}" if condition or propeller.condition else ""
     law = phrase(
         "mean torque {torque:.4g} {unit} at {speed:.5g} rpm",
         torque=KILO * torque,
@@ -100,3 +110,44 @@ def other_table(others: Sequence[tuple[Case, str]]) -> TableBlock:
         ]
     note = "At rated speed; orders of an excitation are multiples of the speed of its own shaft."
     return table("Other excitations", columns, rows, (note,), most=MOST_LINES)
+
+
+# Where the orders of excitations end: what excites above is left out of all results.
+
+
+def first_acting(subject: ReportData, name: str) -> Case | None:
+    """First configuration in which an excitation acts; None where it never does."""
+    return next((case for case in subject.judged_cases if case.drivetrain.definition.excitations[name].enabled), None)
+
+
+def acting_otherwise(subject: ReportData, name: str, entry: str = "") -> list[Case]:
+    """Configurations in which an excitation acts, the first of each of its states, or of each value of one entry."""
+    states: list[object] = []
+    cases = []
+    for case in subject.judged_cases:
+        excitation = case.drivetrain.definition.excitations[name]
+        state = getattr(excitation, entry) if entry else excitation
+        if excitation.enabled and state not in states:
+            states.append(state)
+            cases.append(case)
+    return cases
+
+
+def highest_orders(subject: ReportData) -> str:
+    """Sentence with the highest order that is known of each excitation; empty where none acts by orders."""
+    ends = []
+    for name in subject.model.definition.excitations:
+        case = first_acting(subject, name)
+        highest = 0.0 if case is None else _highest_order(case, name)
+        ends += [f"{as_words(name)} {highest:g}"] if highest else []
+    return phrase(ORDERS_END, orders=joined(", ", ends)) if ends else ""
+
+
+def _highest_order(case: Case, name: str) -> float:
+    excitation = case.drivetrain.definition.excitations[name]
+    highest = float(np.max(excitation.torques(np.array([shaft_speeds(case.drivetrain, name)[1]])).orders, initial=0.0))
+    if not isinstance(excitation, ReciprocatingEngine) or excitation.gas is None:
+        return highest
+    # Above a table of tangential pressures masses alone act, where the gas is what is left out.
+    known = [order for key, order in excitation.gas.own_orders if key == "harmonics"]
+    return min(highest, max(known, default=highest))

@@ -24,8 +24,8 @@ AS_IF_LASTING = (
     "Each value is that of steady vibration, as if the speed lasted; a start that rises quickly stays below it."
 )
 AT_ITS_RATE = (
-    "The speed rises by {rate:.3g} rpm a second. A value above what is allowed is that of this passage, any other that "
-    "of steady vibration, which is larger."
+    "The speed rises by {rate:.3g} rpm a second. Where steady vibration is above what is allowed, the value is that of "
+    "this passage; any other is that of steady vibration, which is larger."
 )
 NOT_JUDGED = "Not judged: beside the value is what is allowed in continuous operation, as none is said in passing."
 """Notes on the values in the table of starts."""

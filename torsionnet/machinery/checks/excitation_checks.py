@@ -196,26 +196,31 @@ about the slip."""
 
 def archer_at_small_torque(external: ExternalTorques) -> Iterator[Fault]:
     """Warnings about damping by Archer from a torque far below that of full ahead, at rated speed."""
-    rated = external.rated_speed
-    ahead = [screw for screw in external.definition.excitations.values() if isinstance(screw, PropellerTorque)]
-    screws = [
-        element
-        for element in external.definition.active
-        if isinstance(element, Propeller) and element.archer is not None
-    ]
-    if not rated or not ahead or not screws:
+    rated, definition = external.rated_speed, external.definition
+    screws = [element for element in definition.active if isinstance(element, Propeller) and element.archer is not None]
+    if not rated or not screws:
         return
     values = _values_at_speed(external, rated)
+    before = definition.written
+    written = None if before is None else ExternalTorques(before, resolve(before.parameters)[0])
     for screw in screws:
-        torque = not_none(screw.torque)
-        full = next(
-            (propeller for propeller in ahead if propeller.node == screw.node and torque.names <= values.keys()), None
-        )
-        ratio = abs(external.ratios.get(str(screw.node), 0.0))
-        if full is None or not ratio:
+        torque, ratio = not_none(screw.torque), abs(external.ratios.get(str(screw.node), 0.0))
+        if not ratio or not torque.names <= values.keys():
             continue
-        # Full ahead at this speed by the propeller's own law, T (n/n_rated)^exponent.
-        taken, whole = float(torque.evaluate(values)), full.torque * (ratio * rated / full.rated) ** full.exponent
+        taken = float(torque.evaluate(values))
+        # Full ahead is the largest torque that the propeller takes at this speed here or as written, by its excitation,
+        # T (n/n_rated)^exponent, or by the element: a condition may change any of them.
+        known = [
+            propeller.torque * (ratio * rated / propeller.rated) ** propeller.exponent
+            for source in (definition, before or definition)
+            for propeller in source.excitations.values()
+            if isinstance(propeller, PropellerTorque) and propeller.node == screw.node
+        ]
+        same = None if written is None else written.definition.elements.get(screw.name)
+        if written is not None and isinstance(same, Propeller) and same.torque is not None:
+            at_speed = _values_at_speed(written, rated)
+            known += [float(same.torque.evaluate(at_speed))] if same.torque.names <= at_speed.keys() else []
+        whole = max(known, default=0.0)
         if SLIP_TORQUE_SHARE * whole < taken < SMALL_TORQUE_SHARE * whole:
             text = f"Archer's damping with {taken / 1e3:.4g} kN*m, {taken / whole:.0%} of the torque of full ahead"
             text += " at that speed; the formula is for a propeller that works at its pitch:"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -118,7 +118,8 @@ class ClassRuleShaft(ShaftLimit):
             remarks.insert(0, f"{line.criterion} is exceeded {where}: {beyond[0]}")
             below = tuple(span for span in barred if span not in beyond)
             return self._verdict(line, name, evidence, FAIL, below, tuple(remarks))
-        return self.with_barred(line, name, evidence, barred, [rated, top], remarks)
+        verdict = self.with_barred(line, name, evidence, barred, [rated, top], remarks)
+        return verdict if self.may_bar_higher(evidence.subject) else replace(verdict, free_above=limit)
 
     def with_barred(
         self,

@@ -162,11 +162,15 @@ def _rises(wave: FloatArray, waves: FloatArray) -> FloatArray:
     # Two periods in a row, so that a lag is a slice of them.
     twice = np.concatenate([wave, wave], axis=2)
     others = np.concatenate([waves, waves], axis=3)
-    for lag in range(period):
+    for lag in range(period // 2 + 1):
         rise = twice[:, :, lag : lag + period] - wave
+        up, down = rise, rise
         for own, doubled in zip(waves, others, strict=True):
-            rise += np.abs(doubled[:, :, lag : lag + period] - own)
-        rises[:, :, lag] = rise.max(axis=2)
+            change = np.abs(doubled[:, :, lag : lag + period] - own)
+            up, down = up + change, down - change
+        rises[:, :, lag] = up.max(axis=2)
+        # A fall over a lag is a rise over the rest of the period.
+        rises[:, :, -lag % period] = -down.min(axis=2)
     return rises
 
 

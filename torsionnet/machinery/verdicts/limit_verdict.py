@@ -19,6 +19,7 @@ from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.orders.order_amplitudes import OrderAmplitudes
 from torsionnet.machinery.verdicts.speed_spans import (
+    WHOLE_RPM_RELATIVE,
     SpeedSpan,
     joined_spans,
     restriction_words,
@@ -178,6 +179,8 @@ class LimitVerdict:
         Speed in rad/s that has to stay free, as for safe navigation, and does not.
     unpassed : tuple of SpeedSpan
         Speed ranges (rad/s) that the limit would bar, where another one lets nothing pass in this condition.
+    free_above : float, optional
+        Speed in rad/s above which the rule lets no range be barred in this condition.
     """
 
     SHOWN: ClassVar = (
@@ -211,6 +214,7 @@ class LimitVerdict:
     running: SpeedSpan | None = None
     not_free: float | None = None
     unpassed: tuple[SpeedSpan, ...] = ()
+    free_above: float | None = None
 
     @property
     def passed(self) -> tuple[SpeedSpan, ...]:
@@ -328,6 +332,8 @@ of 1 % leaves open at both ends; together rounded up.
 """
 TOO_NARROW = "barred from {low:.5g} to {high:.5g} rpm, too: no speed is held in so narrow a window"
 """Remark on a limit whose barred range was widened up to the next one."""
+TOO_HIGH = "the range reaches above {speed:.5g} rpm, where no range may be barred"
+"""Remark on a limit that is not kept, since its range reaches the next one only where its rule bars none."""
 
 
 def without_narrow_windows(
@@ -358,7 +364,12 @@ def _up_to_next(verdict: LimitVerdict, narrow: Mapping[float, SpeedSpan]) -> Lim
     said = [phrase(TOO_NARROW, low=window.low * RPM, high=window.high * RPM) for window in closed]
     top = verdict.highest
     highest = top and next((span.low for span in barred if span.holds(top)), top)
-    return replace(verdict, barred=barred, highest=highest, remarks=(*verdict.remarks, *said))
+    widened = replace(verdict, barred=barred, highest=highest, remarks=(*verdict.remarks, *said))
+    free = verdict.free_above
+    if free is None or closed[-1].high <= free * (1 + WHOLE_RPM_RELATIVE):
+        return widened
+    # The window is left to be passed all the same, but the rule does not let it be barred.
+    return replace(widened, verdict=FAIL, remarks=(phrase(TOO_HIGH, speed=free * RPM), *widened.remarks))
 
 
 def highest_permitted(verdicts: Sequence[LimitVerdict], speeds: FloatArray) -> float | None:

@@ -13,6 +13,7 @@ from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, Wors
 from torsionnet.machinery.verdicts.limit_verdict import OPEN, listed_names
 from torsionnet.model.channels import Pair
 from torsionnet.model.elements import Shaft
+from torsionnet.report.component_uses import limited_element
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -201,7 +202,7 @@ def _not_covered(subject: ReportData, limits_judged: LimitConclusion) -> Iterato
     for words in limits_judged.left_out:
         yield (f"{capital(as_words(words))}.",)
     definition = subject.model.definition
-    judged = {getattr(limit, "element", "") for limit in definition.limits.values()}
+    judged = {limited_element(limit, definition) for limit in definition.limits.values()}
     open_shafts = [
         name for name, element in definition.elements.items() if isinstance(element, Shaft) and name not in judged
     ]

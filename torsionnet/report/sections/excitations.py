@@ -23,7 +23,7 @@ from torsionnet.machinery.orders.order_solution import shaft_speeds
 from torsionnet.report.document_tree import Block, Cell, Heading, NumberText, Paragraph, Section, TableBlock
 from torsionnet.report.report_cylinders import engine_blocks, state_table
 from torsionnet.report.report_data import Case, ReportData
-from torsionnet.report.report_orders import other_table, propeller_block
+from torsionnet.report.report_orders import acting_otherwise, first_acting, highest_orders, other_table, propeller_block
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, unit
 
@@ -207,14 +207,16 @@ def harmonics_section(subject: ReportData) -> Section | None:
     blocks: list[Block] = []
     others: list[tuple[Case, str]] = []
     for name in subject.model.definition.excitations:
-        case = _first_acting(subject, name)
+        case = first_acting(subject, name)
         if case is None:
             continue
         excitation = case.drivetrain.definition.excitations[name]
         if isinstance(excitation, ReciprocatingEngine):
             blocks += engine_blocks(subject, case, name, excitation)
         elif isinstance(excitation, PropellerTorque):
-            blocks.append(propeller_block(case, name, excitation))
+            first, *others_acting = acting_otherwise(subject, name)
+            blocks.append(propeller_block(first, name))
+            blocks += [propeller_block(other, name, other.title) for other in others_acting]
         else:
             others.append((case, name))
     if others:
@@ -222,9 +224,5 @@ def harmonics_section(subject: ReportData) -> Section | None:
     states = state_table(subject)
     if states is not None:
         blocks.append(states)
-    return Section("harmonics", ("Excitation",), tuple(blocks)) if blocks else None
-
-
-def _first_acting(subject: ReportData, name: str) -> Case | None:
-    """First configuration in which an excitation acts; None where it never does."""
-    return next((case for case in subject.judged_cases if case.drivetrain.definition.excitations[name].enabled), None)
+    end = Paragraph((highest_orders(subject),))
+    return Section("harmonics", ("Excitation",), (*blocks, end)) if blocks else None

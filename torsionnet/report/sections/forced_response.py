@@ -36,6 +36,7 @@ from torsionnet.report.document_tree import TableGroup as Group
 from torsionnet.report.report_cylinders import in_words_of
 from torsionnet.report.report_data import FEW_CASES, MOST_OUTPUTS, Case, ReportData
 from torsionnet.report.report_machines import engine_angle_tables, engine_remarks
+from torsionnet.report.report_orders import highest_orders
 from torsionnet.report.report_tables import results_table, table
 from torsionnet.report.report_text import as_words, capital, criterion_cell, symbol_or_words, unit
 from torsionnet.report.report_units import DIGITS, limit_number, limit_unit
@@ -66,7 +67,8 @@ def forced_response_section(subject: ReportData) -> Section | None:
     if judged is None:
         return None
     tables = (normal_response(subject), *_worst(subject, judged), further_response(subject))
-    blocks: list[Block] = [Paragraph((INTRODUCTION,)), *(block for block in tables if block is not None)]
+    blocks: list[Block] = [Paragraph((INTRODUCTION, " ", highest_orders(subject)))]
+    blocks += [block for block in tables if block is not None]
     blocks += [_free_end(subject), *_families(subject, judged)]
     return Section("forced_response", ("Forced response",), tuple(blocks))
 

@@ -31,6 +31,7 @@ from torsionnet.report.document_tree import (
 from torsionnet.report.document_tree import TableGroup as Group
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_holzer import holzer_block
+from torsionnet.report.report_orders import highest_orders
 from torsionnet.report.report_tables import results_table, table
 from torsionnet.report.report_text import as_words, distinct_choices, in_clauses, shared_choices
 from torsionnet.report.report_units import DIGITS
@@ -297,7 +298,7 @@ def resonances_section(subject: ReportData) -> Section | None:
     """Section of a report on critical speeds that matter; None for a model without excitations."""
     if not subject.has_excitations:
         return None
-    blocks: list[Block] = [Paragraph((INTRODUCTION,))]
+    blocks: list[Block] = [Paragraph((INTRODUCTION, " ", highest_orders(subject)))]
     case, peaks = subject.normal_case, subject.normal_peaks
     if peaks is None:
         kept, listed = _without_limits(case)
