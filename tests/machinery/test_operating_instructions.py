@@ -15,7 +15,7 @@ from torsionnet.base.result_fields import json_schema
 from torsionnet.machinery.verdicts import limit_checking
 from torsionnet.machinery.verdicts.limit_check import LimitCheck
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
-from torsionnet.machinery.verdicts.limit_verdict import without_narrow_windows
+from torsionnet.machinery.verdicts.limit_verdict import without_contradictions, without_narrow_windows
 from torsionnet.machinery.verdicts.operating_instructions import _way, instruction_table, operating_instructions
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan
 from torsionnet.report.document_tree import TableBlock, inlines
@@ -115,6 +115,10 @@ class TestMisfire:
         assert found.highest / RPM == pytest.approx(16 * 100 / 17, rel=1e-6)
         assert found.passed == ()
         assert found.restrictions == "at most 94 rpm"
+        # What leaves no speed at all is not kept.
+        nothing = replace(found, highest=float(found.speeds[0]))
+        kept, lost = (without_contradictions([one], found.speeds)[0] for one in (found, nothing))
+        assert (kept.verdict, lost.verdict) == ("reduced speed", "fail")
 
     @pytest.mark.parametrize(("at", "words"), [(93.5, "at most 87 rpm"), (92, "86 to 99 rpm")])
     def test_a_range_marked_up_to_rated_speed_is_a_highest_speed(self, at, words):

@@ -78,3 +78,21 @@ def test_the_torque_lost_is_that_of_the_harmonics_in_the_row():
     listed = [(float(row[0]), float(row[-1])) for row in rows(found)]
     assert listed
     assert [lost for _, lost in listed] == pytest.approx([expected[order] for order, _ in listed], abs=6e-4)
+
+
+def test_other_loads_and_pitches_have_tables_of_their_own():
+    """A quarter of the pressure at zero pitch, and blades that take 10 % of a fifth of 1000 N m, not 8 % of all."""
+    load = "{mean_indicated_pressure: SIZE bar, rated: 1500 rpm, exponent: 2}"
+    order = "{1: {amplitude: 1 bar, phase: 0 deg}}"
+    text = PLANT.replace("GAS", f"{{harmonics: {{0 bar: {order}, 20 bar: {order}}}}}, load: {load}")
+    screw = "screw: {type: propeller, node: w, blades: 3, torque: 1 kN*m, rated: 1500 rpm, pitch: controllable, "
+    screw += "blade_orders: {1: {share: 8 %}}, conditions: {zero: {torque: 20 %, blade_orders: {1: {share: 10 %}}}}}"
+    text = text.replace("SIZE", "16").replace("limits:", f"  {screw}\nlimits:")
+    text = text.replace("misfire: {engine.misfire: [1]}", f"idle: {{screw.condition: zero, engine.load: {load}}}")
+    report = make_report(tn.loads(text.replace("SIZE", "4")), sections=["harmonics"], date=None)
+    found = of(TableBlock, blocks(report, "harmonics"))
+    full, idle = (one for one in found if "mean indicated pressure" in str(one.caption))
+    assert [float(rows(one)[-1][1]) for one in (full, idle)] == [16, 4]
+    ahead, zero = (one for one in found if "blades" in str(one.caption))
+    assert [float(rows(one)[0][3]) for one in (ahead, zero)] == pytest.approx([0.08, 0.02])
+    assert [", idle" in str(one.caption) for one in (full, idle, ahead, zero)] == [False, True, False, True]

@@ -93,7 +93,7 @@ def interference_diagram(
     _marks(axes, [crossing for crossing in result.crossings if _natural(crossing.mode) <= top], _names(result))
     axes.set_xlabel(speed_label(result.reference))
     axes.set_ylabel("frequency [Hz]")
-    axes.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(0, -0.1), ncols=3)
+    sheet.legend(3)
     return sheet.titled(result.title if title is None else title)
 
 

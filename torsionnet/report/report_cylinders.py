@@ -245,7 +245,10 @@ DECIMALS = {unit("N/mm^2"): 4, "deg": 1}
 """Decimals of tangential pressures and phases by unit, as makers list them."""
 GRID = 401
 """Number of speeds between which the one of half load is found by straight lines."""
-LOADS = "Load: share of the indicated power at rated speed, with the mechanical efficiency of full load."
+LOADS = (
+    "Load: share of the indicated power at rated speed, or at the highest below, with the mechanical efficiency of "
+    "full load."
+)
 """Note below the mean indicated pressure on its column of the load."""
 EQUAL_PRESSURES = 1e-9
 """Relative difference up to which mean indicated pressures count as equal, no more than rounding."""
@@ -335,7 +338,7 @@ def _pressures(
     speeds = case.drivetrain.definition.speeds
     assert speeds is not None
     low, high = float(speeds.values[0]), float(speeds.values[-1])
-    rated = float(speeds.rated) if speeds.rated else high
+    rated = min(float(speeds.rated), high) if speeds.rated else high
     shown = {low, high, rated, *(rated * share for share in SPEEDS_SHOWN if low <= rated * share <= high)}
     (full,) = indicated_pressures(engine, np.array([rated * ratio])) or (None,)
     if full is None:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from torsionnet.base.number_text import NumberText, aligned_numbers
-from torsionnet.base.phrases import phrase
+from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.units import RPM
+from torsionnet.machinery.excitations.engine_entries import EngineEntries
 from torsionnet.machinery.verdicts.limit_check import LimitCheck
+from torsionnet.machinery.verdicts.limit_checking import at_load
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
 from torsionnet.machinery.verdicts.limit_verdict import OPEN
 from torsionnet.machinery.verdicts.run_up_check import PassedLimit, RunUpCheck
@@ -28,7 +30,12 @@ AT_ITS_RATE = (
     "this passage; any other is that of steady vibration, which is larger."
 )
 NOT_JUDGED = "Not judged: beside the value is what is allowed in continuous operation, as none is said in passing."
+AT_ONE_LOAD = "Gas given for one load acts that share of the way from the pressure without injection or delivery to it."
+NO_HEAT = "Heat of couplings and dampers is not judged in starts."
 """Notes on the values in the table of starts."""
+MOST_PASSED, LEAST_PASSED = 8, 0.05
+"""Largest number of critical speeds that a start is said to pass, and share of the largest amplitude below which they
+are left out."""
 
 
 def run_up_blocks(subject: ReportData, judged: LimitConclusion) -> Iterator[Block]:
@@ -75,7 +82,32 @@ def _table(subject: ReportData, checks: list[LimitCheck]) -> Block:
     )  # fmt: skip
     note = AS_IF_LASTING if run_up.rate is None else phrase(AT_ITS_RATE, rate=run_up.rate * RPM)
     notes = [note, NOT_JUDGED] if any(passed.verdict == OPEN for _, passed in rows) else [note]
-    return table(caption, columns, list(cells), notes)
+    engines = [one for one in subject.model.definition.excitations.values() if isinstance(one, EngineEntries)]
+    if any(engine.load is None and engine.gas and not engine.gas.is_by_pressure for engine in engines):
+        notes.append(AT_ONE_LOAD)
+    if {"coupling", "damper"}.intersection(limit.kind for limit in subject.model.definition.limits.values()):
+        notes.append(NO_HEAT)
+    return table(caption, columns, list(cells), [*notes, *_passed_criticals(subject, checks[0])])
+
+
+def _passed_criticals(subject: ReportData, check: LimitCheck) -> Iterator[str]:
+    """Yield the sentence on the critical speeds that a start passes in a condition, those of the largest amplitude."""
+    run_up, case = _run_up(check), subject.judged_case(check)
+    at_this_load, _ = at_load(case.drivetrain, run_up.load)
+    speeds = at_this_load.critical_speeds(speeds=[run_up.low, run_up.high], reach=0.0)
+    excited = [critical for critical in speeds.crossings if critical.excited and run_up.low <= critical.natural_speed]
+    largest = sorted(excited, key=lambda critical: -critical.resonant_amplitude)[:MOST_PASSED]
+    strong = [one for one in largest if one.resonant_amplitude > LEAST_PASSED * largest[0].resonant_amplitude]
+    if strong:
+        yield phrase(
+            "In {condition}, starts pass critical speeds, the largest at resonance first: {names}.",
+            condition=subject.titles.of(check.configuration),
+            names=joined(", ", [
+                phrase("{order}, mode {mode} at {speed:.1f}", order=as_words(f"{one.excitation} {one.line}"),
+                       mode=one.mode.number, speed=one.natural_speed * RPM)
+                for one in strong
+            ]),
+        )  # fmt: skip
 
 
 def _run_up(check: LimitCheck) -> RunUpCheck:

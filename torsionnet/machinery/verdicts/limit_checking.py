@@ -291,23 +291,28 @@ class _Examination:
         rated, (low, high) = self.subject.rated, self.speeds.ends
         if rated is None or not low * (1 - 1e-9) <= rated <= high * (1 + 1e-9):
             return {}
-        means, _ = _means(self.drivetrain, self.subject, self._here, np.array([rated]), all_working=True)
+        return self._working_at(rated)
+
+    def _working_at(self, speed: float) -> dict[Sensor, float]:
+        """Mean value in SI units by sensor at a speed in rad/s with all cylinders working."""
+        means, _ = _means(self.drivetrain, self.subject, self._here, np.array([speed]), all_working=True)
         return {sensor: float(values[0]) for sensor, values in means.items()}
 
     @cached_property
     def _idle(self) -> frozenset[Sensor]:
-        """Sensors whose mean value at rated speed is zero in this condition, as nothing drives there."""
-        return frozenset(sensor for sensor, value in self._rated.items() if not value)
+        """Sensors whose mean value is zero in this condition at rated or the highest speed, as nothing drives there."""
+        known = self._rated or self._working_at(self.speeds.ends[1])
+        return frozenset(sensor for sensor, value in known.items() if not value)
 
     @cached_property
     def _full_load(self) -> dict[Sensor, float]:
         """Mean value in SI units at the rated speed and full load by sensor, to which shares of a rule refer.
 
         That of this condition, or of the model as written where it is larger: at zero pitch or with one engine of two
-        a mesh transmits less than it is made for.
+        a mesh transmits less than it is made for, and may not reach rated speed.
         """
         shares = [limit for limit in self._here if limit.of_full_load]
-        if not shares or not self._rated or not self.drivetrain.configuration:
+        if not shares or self.subject.rated is None or not self.drivetrain.configuration:
             return self._rated
         try:
             written = self.drivetrain.as_written()

@@ -404,7 +404,8 @@ def without_contradictions(verdicts: Sequence[LimitVerdict], speeds: FloatArray)
     highest = highest_permitted(verdicts, speeds)
     if highest is None:
         return tuple(verdicts)
-    fails = any(verdict.verdict == FAIL and verdict.refused for verdict in verdicts)
+    # Where no speed is left, a reduced one keeps nothing.
+    fails = highest <= speeds[0] or any(verdict.verdict == FAIL and verdict.refused for verdict in verdicts)
     return tuple(_settled(verdict, highest, fails=fails) for verdict in verdicts)
 
 

@@ -59,7 +59,7 @@ def installation_section(subject: ReportData) -> Section | None:
     for case, balance in _balances(subject):
         several = len(subject.cases) > 1 and case.configuration
         blocks += [
-            _rated(balance),
+            _rated(balance, case),
             _line(subject, case, balance, f", {case.title}" if several else ""),
         ]
     blocks += _ratings(subject)
@@ -82,9 +82,13 @@ def _balances(subject: ReportData) -> list[tuple[Case, PowerBalance]]:
 
 
 def _balance(case: Case) -> PowerBalance | None:
-    """Balance of power at the rated speed, else at the operating point; None where neither is known."""
+    """Balance of power at the rated speed, else at the operating point; None where neither is known.
+
+    A condition that does not reach the rated speed, as one engine of two, has it at its highest.
+    """
     speeds = case.drivetrain.definition.speeds
-    for speed in dict.fromkeys([speeds.rated if speeds else None, None]):
+    highest = min(speeds.rated, speeds.values[-1]) if speeds and speeds.rated else None
+    for speed in dict.fromkeys([highest, None]):
         try:
             return case.drivetrain.power_balance(speed)
         except UsageError:  # no load over speed, or what drives is switched off in this configuration
@@ -92,7 +96,7 @@ def _balance(case: Case) -> PowerBalance | None:
     return None
 
 
-def _rated(powers: PowerBalance) -> Paragraph:
+def _rated(powers: PowerBalance, case: Case) -> Paragraph:
     """Paragraph with power and torque at the speed of the reference shaft, and the sums of power given and taken."""
     state = powers.state
     speed = quantity_text(abs(state.speed), "speed")
@@ -113,7 +117,9 @@ def _rated(powers: PowerBalance) -> Paragraph:
         torque=quantity_text(powers.torque, "torque"),
         balance=joined("", (balance, more)),
     )
-    return Paragraph((Strong("Rated torque"), ": ", text))
+    speeds = case.drivetrain.definition.speeds
+    reached = speeds is None or speeds.rated is None or abs(state.speed) >= speeds.rated * (1 - 1e-9)
+    return Paragraph((Strong("Rated torque" if reached else "Torque at the highest speed"), ": ", text))
 
 
 def _line(subject: ReportData, case: Case, balance: PowerBalance, where: str) -> TableBlock:

@@ -10,6 +10,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from torsionnet.base.atomic import write_bytes
 from torsionnet.base.errors import MissingExtraError
 from torsionnet.report.document_tree import BreakableMath, Picture, Report, Section, Text, TitleTable
@@ -141,6 +143,9 @@ FIGURE_DPI = 200
 """Dots per inch of the figures, which are pictures of dots in a Word document: enough for print."""
 LARGEST_FIGURE = (6.85, 9.0)
 """Largest width and height of a figure in inches: the text of a page, less its caption."""
+ONE_PANEL_HEIGHT = 2.9
+"""Largest height in inches of a figure of one panel: with its caption a third of a page, all that Word leaves blank
+above a figure that has no room."""
 
 
 def write(report: Report, path: Path) -> tuple[Path, ...]:
@@ -254,8 +259,13 @@ def _drawing(document: Any, picture: Picture, number: int) -> str:
 
     from torsionnet.plot.drawing.save import figure_bytes
 
+    size = given = picture.figure.get_size_inches()
+    # A figure of one panel is drawn anew at another height, its letters as large as before.
+    if len(picture.figure.axes) == 1 and picture.figure.get_layout_engine() is not None:
+        size = np.minimum(given, (given[0], ONE_PANEL_HEIGHT))
+    picture.figure.set_size_inches(size)
     data = figure_bytes(picture.figure, "png", FIGURE_DPI)
-    size = picture.figure.get_size_inches()
+    picture.figure.set_size_inches(given)
     scale = min(1.0, *(most / length for most, length in zip(LARGEST_FIGURE, size, strict=True)))
     shown = document.part.new_pic_inline(io.BytesIO(data), *(Inches(float(length) * scale) for length in size))
     shown.docPr.set("id", str(number))
