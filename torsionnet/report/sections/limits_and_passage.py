@@ -251,8 +251,8 @@ WHAT_IS_COUNTED = (
 )
 """Sentences that say what the tables on passages hold."""
 ASSUMED_TIMES = (
-    " No rule at hand says how long a passage takes: {quick:g} s, with power to spare, and {slow:g} s, with little, as "
-    "when towing or under a fouled hull, are assumed."
+    " No rule at hand says how long a passage takes: {quick:g} s, with power to spare, and {slow:g} s, with little, "
+    "are assumed."
 )
 ASSUMED_BESIDES = (
     " Besides the times that limits ask for, {quick:g} s, with power to spare, and {slow:g} s, with little, are "
