@@ -92,9 +92,11 @@ def _table(subject: ReportData, checks: list[LimitCheck]) -> Block:
 
 def _passed_criticals(subject: ReportData, check: LimitCheck) -> Iterator[str]:
     """Yield the sentence on the critical speeds that a start passes in a condition, those of the largest amplitude."""
+    from torsionnet.machinery.criticals.critical_speed_search import critical_speeds
+
     run_up, case = _run_up(check), subject.judged_case(check)
     at_this_load, _ = at_load(case.drivetrain, run_up.load)
-    speeds = at_this_load.critical_speeds(speeds=[run_up.low, run_up.high], reach=0.0)
+    speeds = critical_speeds(at_this_load, speeds=[run_up.low, run_up.high], reach=0.0)
     excited = [critical for critical in speeds.crossings if critical.excited and run_up.low <= critical.natural_speed]
     largest = sorted(excited, key=lambda critical: -critical.resonant_amplitude)[:MOST_PASSED]
     strong = [one for one in largest if one.resonant_amplitude > LEAST_PASSED * largest[0].resonant_amplitude]

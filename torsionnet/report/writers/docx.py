@@ -263,9 +263,9 @@ def _drawing(document: Any, picture: Picture, number: int) -> str:
     # A figure of one panel is drawn anew at another height, its letters as large as before.
     if len(picture.figure.axes) == 1 and picture.figure.get_layout_engine() is not None:
         size = np.minimum(given, (given[0], ONE_PANEL_HEIGHT))
-    picture.figure.set_size_inches(size)
+    picture.figure.set_size_inches(*size)
     data = figure_bytes(picture.figure, "png", FIGURE_DPI)
-    picture.figure.set_size_inches(given)
+    picture.figure.set_size_inches(*given)
     scale = min(1.0, *(most / length for most, length in zip(LARGEST_FIGURE, size, strict=True)))
     shown = document.part.new_pic_inline(io.BytesIO(data), *(Inches(float(length) * scale) for length in size))
     shown.docPr.set("id", str(number))
