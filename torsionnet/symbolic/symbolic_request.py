@@ -25,9 +25,13 @@ from torsionnet.base.phrases import phrase
 from torsionnet.base.program import Program, ProgramNode
 from torsionnet.base.registers import Memo
 from torsionnet.linear.assembly.assembled import AssembledModel
-from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, resolve_request
+from torsionnet.linear.dynamic_stiffness.transfer_request import (
+    TransferRequest,
+    cut_definition,
+    elements_beyond_cut,
+    resolve_request,
+)
 from torsionnet.linear.frequency_response import Channel
-from torsionnet.linear.modes.natural_modes import cut_definition, elements_beyond_cut
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.elements import Element, Lock, RigidCoupling
 from torsionnet.model.operating_values import symbol_notes

@@ -15,22 +15,61 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from torsionnet.base.errors import UsageError, warn_user
-from torsionnet.linear.assembly.law_stiffness import law_stiffness
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.law_stiffness import Functional, functional, law_stiffness
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.dynamic_stiffness.quotient import transfer_functions
-from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest
+from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, cut_definition, elements_beyond_cut
+from torsionnet.model.channels import Input, Sensor
+from torsionnet.model.elements import GROUND
+from torsionnet.model.readings import port_of
 
 NEGLIGIBLE = 1e-9
 """Size of a number over that of its terms below which it counts as zero, as the terms themselves are rounded."""
-CHECKED, TOLD_ERROR, FREE = 12, 1e-5, 1e-6
-"""Number of frequencies at which a state space is compared with the response, share of that above which an error is
-told, and size over the median of a pole that is rounding: the double one at 0 of a free motion has half the digits."""
+CHECKED, TOLD_ERROR = 24, 1e-6
+"""Number of frequencies at which a state space is compared with the response, and share of that which is told."""
+FREE, FREE_OF_FASTEST = 1e-6, 1e-9
+"""Size over the median pole, and over the fastest, of the double one at 0 of a free motion, which is half rounding."""
 HIDDEN, CLEAR = 1e-8, 1e6
 """Share of a pole in what it is read or driven by, below which it is hidden, and condition up to which that counts."""
+
+
+class FarSide(NamedTuple):
+    """Drivetrain beyond a meter, its outputs, the torque at the cut that drives it, and the sense of that in T.
+
+    Its motions are its own response to the measured torque, whatever stands before the meter.
+    """
+
+    drivetrain: AssembledModel
+    outputs: tuple[Functional, ...]
+    torque: Input
+    sense: int
+
+
+def far_side(drivetrain: AssembledModel, request: TransferRequest) -> FarSide | None:
+    """Drivetrain beyond the measured torque of a request, None where that does not hold all of its outputs."""
+    kept = elements_beyond_cut(drivetrain, request) if request.is_measured else None
+    meter = request.inputs[0].sensor
+    if kept is None or meter is None:
+        return None
+    rest = drivetrain.with_definition(cut_definition(drivetrain.definition, kept))
+
+    def is_there(sensor: Sensor | None) -> bool:
+        return sensor is not None and (
+            sensor.of in rest.elements if sensor.is_on_element else {*rest.nodes} >= {*sensor.nodes} - {GROUND}
+        )
+
+    if not all(is_there(output.sensor) for output in request.outputs):
+        return None
+    outputs = tuple(functional(rest, output.sensor, output.name) for output in request.outputs if output.sensor)
+    # The reading counts torque into the element; the node gets the opposite.
+    node, sense = port_of(drivetrain.elements[meter.of], meter.at)
+    return FarSide(rest, outputs, Input("torque", node), sense if meter.of in kept else -sense)
 
 
 @dataclass(frozen=True)
@@ -98,7 +137,7 @@ def against_measured(outputs: LinearSystem, measured: LinearSystem, names: str, 
     shown = outputs.C - outputs.D @ back @ Q
     direct = shown @ first + (outputs.D @ back) * at_once
     _refuse_rates(outputs, shown, back, chains, names, read)
-    return LinearSystem(L @ closed @ N, L @ drive, shown @ N, direct)
+    return balanced(LinearSystem(L @ closed @ N, L @ drive, shown @ N, direct))[0]
 
 
 def balanced(*systems: LinearSystem) -> list[LinearSystem]:
@@ -174,21 +213,24 @@ def _refuse_rates(
 
 
 def warn_of_lost_digits(system: LinearSystem, request: TransferRequest) -> None:
-    """Warn where the state space differs from the response solved along the graph, as with very fast poles."""
+    """Warn where the state space differs from the response solved along the graph, up to its fastest pole."""
     rates = np.abs(np.linalg.eigvals(system.A))
-    rates = rates[rates > FREE * np.median(rates)] if len(rates) else rates
-    if not len(rates):
+    if not rates.any():
         return
-    # Half way, by their ratio, between the slowest and the fastest pole, and beside these.
-    omega = np.geomspace(rates.min() / 2, rates.max() * 2, CHECKED)
+    rates = rates[rates > max(FREE * np.median(rates), FREE_OF_FASTEST * rates.max())]
+    # A tenth of the slowest pole, where springs or rigid bodies rule, and beside the fastest, which may be undamped.
+    omega = np.geomspace(rates.min() / 10, rates.max() * 1.01, CHECKED)
     expected = transfer_functions(request, law_stiffness([request.assembly.system], omega)).values
-    responses_there = np.array([system.response(1j * rate) for rate in omega])
-    # Of the response there: beside its largest value, at the fastest poles, all that vibrates may be small.
-    error = np.abs(responses_there - expected) / np.maximum(np.abs(expected), 1e-300)
-    if not error.max(initial=0.0) <= TOLD_ERROR:
-        at = omega[np.argmax(error.max(axis=(1, 2)))] / (2 * np.pi)
-        text = f"the state space against {request.names} has lost digits to its fastest poles"
-        warn_user(f"{text}, {error.max():.0e} of the response at {at:.3g} Hz; frequency_response has them")
+    difference = np.array([system.response(1j * rate) for rate in omega]) - expected
+    # Of the response there: far above resonances it may be small beside its peak, and still asked for.
+    error = np.divide(np.abs(difference), np.abs(expected), out=np.zeros(difference.shape), where=expected != 0)
+    lost = ~(error <= TOLD_ERROR)
+    if lost.any():
+        f = omega[lost.any(axis=(1, 2))] / (2 * np.pi)
+        _, read, driven = np.unravel_index(np.argmax(error), error.shape)
+        text = f"{request.outputs[read].name}/{request.inputs[driven].name} has lost digits"
+        at_worst = f"from {f[0]:.3g} to {f[-1]:.3g} Hz, at worst {error.max():.0e} of the response there"
+        warn_user(f"the state space of {text} {at_worst}; frequency_response has them")
 
 
 def warn_of_hidden_poles(system: LinearSystem, names: str) -> None:

@@ -77,8 +77,8 @@ def to_control(
     ----------
     output, input : str, Sensor or sequence of these, optional
         As in :meth:`frequency_response`; default: all sensors and inputs of the model. A sensor as input is a
-        *measured* one: the state space of Y_out Y_in^-1 is that of the drivetrain with its excitations eliminated.
-        A warning names poles in it that no output shows.
+        *measured* one: for outputs beyond a torque meter the state space is that of the drivetrain cut there, else
+        that of Y_out Y_in^-1, with a warning that names poles which no output shows.
     driven_by : str or sequence of str, optional
         What drives the drivetrain when the input is measured; default: the model's only input.
 
@@ -132,27 +132,39 @@ def requested_state_space(
     UsageError
         Frequency-dependent laws, an imposed angle, or a reading with the rate of an input in it.
     """
-    request = resolve_request(drivetrain, output, input, excitation).with_reached_inputs()
-    form = first_order(drivetrain.assembly, request.excitations)
-    C, D = output_matrices(drivetrain.assembly, request.outputs, request.excitations, form)
-    if not request.is_measured:
-        return StateSpace(form.A, form.B, C, D, form.states), request
     from torsionnet.linear.dynamic_stiffness.measured_state_space import (
         LinearSystem,
         against_measured,
+        far_side,
         warn_of_hidden_poles,
         warn_of_lost_digits,
     )
 
-    # H = Y_out Y_in^-1, equation (5.1): both readings of the same states, divided.
-    measured = output_matrices(drivetrain.assembly, request.inputs, request.excitations, form)
+    request = resolve_request(drivetrain, output, input, excitation).with_reached_inputs()
     names = [reading.name for reading in request.outputs]
-    system = against_measured(
-        LinearSystem(form.A, form.B, C, D), LinearSystem(form.A, form.B, *measured), request.names, names
-    )
+    far = far_side(drivetrain, request)
+    if request.is_measured and far is None:
+        # H = Y_out Y_in^-1, equation (5.1): both readings of the same states, divided.
+        form = first_order(drivetrain.assembly, request.excitations)
+        read, measured = (
+            LinearSystem(form.A, form.B, *output_matrices(drivetrain.assembly, readings, request.excitations, form))
+            for readings in (request.outputs, request.inputs)
+        )
+        system = against_measured(read, measured, request.names, names)
+        warn_of_hidden_poles(system, f"{' and '.join(names)} against {request.names}")
+        states = tuple(f"state {number}" for number in range(1, len(system.A) + 1))
+    else:
+        model, outputs, torques, sense = drivetrain, request.outputs, request.excitations, 1
+        if far is not None:
+            # What is beyond the meter knows of the rest the measured torque alone.
+            model, outputs, torques, sense = far.drivetrain, far.outputs, (far.torque,), far.sense
+        form = first_order(model.assembly, torques)
+        C, D = output_matrices(model.assembly, outputs, torques, form)
+        # Velocities first: elimination of s - A then begins with s itself, where K/M above s^2 would take its digits.
+        order = sorted(range(len(form.A)), key=lambda state: not form.states[state].startswith("velocity"))
+        states = tuple(form.states[state] for state in order)
+        system = LinearSystem(form.A[np.ix_(order, order)], sense * form.B[order], C[:, order], sense * D)
     warn_of_lost_digits(system, request)
-    warn_of_hidden_poles(system, f"{' and '.join(names)} against {request.names}")
-    states = tuple(f"state {number}" for number in range(1, len(system.A) + 1))
     return StateSpace(system.A, system.B, system.C, system.D, states), request
 
 

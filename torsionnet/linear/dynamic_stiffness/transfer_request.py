@@ -9,12 +9,14 @@ from typing import Any
 
 from torsionnet.base.errors import UsageError, did_you_mean, remedy
 from torsionnet.base.phrases import joined, phrase
+from torsionnet.base.registers import Groups
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.law_stiffness import Functional, functional
 from torsionnet.linear.assembly.rows import Assembly
 from torsionnet.linear.dynamic_stiffness.response_problem import ReadingProblem, make_reading_problem
 from torsionnet.model.channels import UNITS, Input, Sensor, immobility_text, named_nodes, named_sensor, parse_pair
-from torsionnet.model.elements import GROUND, Values
+from torsionnet.model.definition import Definition, all_nodes
+from torsionnet.model.elements import GROUND, Element, Values
 from torsionnet.model.kinematics import twist_fault
 
 NO_CHANNELS_MESSAGE = "name at least one output and one input"
@@ -380,3 +382,55 @@ def usable_channels(drivetrain: AssembledModel) -> tuple[list[str], list[str]]:
     tables: tuple[Any, Any] = (drivetrain.inputs, drivetrain.sensors)
     inputs, sensors = ([name for name, channel in table.items() if acts(channel)] for table in tables)
     return inputs, sensors
+
+
+def elements_beyond_cut(drivetrain: AssembledModel, request: TransferRequest) -> tuple[str, ...] | None:
+    """Names of the elements left without the excited side when the drivetrain is cut at the measured torque.
+
+    None if more than one torque is measured, the cut does not separate the drivetrain, or excitations act on both
+    sides. The torque at a port flows between the element and its node there; elements join their other nodes, as does
+    an imposed relative motion; ground does not.
+    """
+    sensor = request.inputs[0].sensor
+    if sensor is None or sensor.quantity != "torque" or len(request.inputs) > 1:
+        return None
+    from torsionnet.model.readings import port_of
+
+    node, _ = port_of(drivetrain.elements[sensor.of], sensor.at)
+    ends = {name: {*part.ports.values(), *part.internal_nodes} - {GROUND} for name, part in drivetrain.elements.items()}
+    # The cut lies between the element and its node at the port.
+    ends[sensor.of].discard(node)
+    parts = Groups(drivetrain.nodes)
+    tied = [set(channel.nodes) for channel in drivetrain.inputs.values() if channel.quantity == "angle"]
+    for tied_nodes in (*ends.values(), *(nodes for nodes in tied if nodes.issubset(drivetrain.nodes))):
+        if tied_nodes:
+            parts.join(*tied_nodes)
+    sides = [set(parts.of(node)), {other for end in ends[sensor.of] for other in parts.of(end)}]
+    is_driven = [any(not side.isdisjoint(channel.nodes) for channel in request.excitations) for side in sides]
+    if sum(is_driven) != 1:
+        return None
+    at_node, with_element = sides
+    if is_driven[1]:
+        return tuple(name for name, own in ends.items() if not own.isdisjoint(at_node))
+    return tuple(name for name, own in ends.items() if name == sensor.of or not own.isdisjoint(with_element))
+
+
+def cut_definition(definition: Definition, kept: Sequence[str]) -> Definition:
+    """Definition with only the elements ``kept``, and the inputs and sensors whose nodes and elements are left.
+
+    Values that are quoted at another shaft are converted to their own before the way there is cut.
+    """
+    own = {element.name: element for element in definition.switched_on}
+    elements: dict[str, Element] = {name: own.get(name, definition.elements[name]) for name in kept}
+    nodes = set(all_nodes(elements.values()))
+    inputs = {
+        name: channel
+        for name, channel in definition.inputs.items()
+        if channel.quantity == "angle" and nodes.issuperset(channel.nodes)
+    }
+    sensors = {
+        name: sensor
+        for name, sensor in definition.sensors.items()
+        if (sensor.of in elements if sensor.is_on_element else nodes.issuperset(sensor.nodes))
+    }
+    return replace(definition, elements=elements, inputs=inputs, sensors=sensors)

@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 
 from torsionnet.base.errors import SolveError, UsageError, warn_user
 from torsionnet.base.phrases import phrase
-from torsionnet.base.registers import Groups
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import Assembly, ComplexArray, FloatArray, Rows, RowSystem
 from torsionnet.linear.dynamic_stiffness.reduction import LARGE_SYSTEM, require_resistance
@@ -40,8 +39,6 @@ from torsionnet.linear.modes.mode_shapes import (
 )
 from torsionnet.linear.modes.modes import Modes
 from torsionnet.model.channels import Channels
-from torsionnet.model.definition import Definition, all_nodes
-from torsionnet.model.elements import GROUND, Element
 
 if TYPE_CHECKING:
     from torsionnet.linear.assembly.action_laws import ActionLaw
@@ -72,6 +69,8 @@ def poles_against_measured(
     require_resistance(system, np.ones(len(system.sparse_rows), dtype=bool))
     if not request.is_measured:
         raise UsageError(f'"{request.names}" is no sensor; name a sensor as measured input', kind="unknown-channel")
+    from torsionnet.linear.dynamic_stiffness.transfer_request import elements_beyond_cut
+
     kept = elements_beyond_cut(drivetrain, request)
     if kept is None:
         from torsionnet.linear.modes.bordered_poles import measured_poles
@@ -80,64 +79,14 @@ def poles_against_measured(
     return _of_cut_system(drivetrain, kept, request.names, modes_of)
 
 
-def elements_beyond_cut(drivetrain: AssembledModel, request: TransferRequest) -> tuple[str, ...] | None:
-    """Names of the elements left without the excited side when the drivetrain is cut at the measured torque.
-
-    None if more than one torque is measured, the cut does not separate the drivetrain, or excitations act on both
-    sides. The torque at a port flows between the element and its node there; elements join their other nodes, as does
-    an imposed relative motion; ground does not.
-    """
-    sensor = request.inputs[0].sensor
-    if sensor is None or sensor.quantity != "torque" or len(request.inputs) > 1:
-        return None
-    from torsionnet.model.readings import port_of
-
-    node, _ = port_of(drivetrain.elements[sensor.of], sensor.at)
-    ends = {name: {*part.ports.values(), *part.internal_nodes} - {GROUND} for name, part in drivetrain.elements.items()}
-    # The cut lies between the element and its node at the port.
-    ends[sensor.of].discard(node)
-    parts = Groups(drivetrain.nodes)
-    tied = [set(channel.nodes) for channel in drivetrain.inputs.values() if channel.quantity == "angle"]
-    for joined in (*ends.values(), *(nodes for nodes in tied if nodes.issubset(drivetrain.nodes))):
-        if joined:
-            parts.join(*joined)
-    sides = [set(parts.of(node)), {other for end in ends[sensor.of] for other in parts.of(end)}]
-    is_driven = [any(not side.isdisjoint(channel.nodes) for channel in request.excitations) for side in sides]
-    if sum(is_driven) != 1:
-        return None
-    at_node, with_element = sides
-    if is_driven[1]:
-        return tuple(name for name, joined in ends.items() if not joined.isdisjoint(at_node))
-    return tuple(name for name, joined in ends.items() if name == sensor.of or not joined.isdisjoint(with_element))
-
-
-def cut_definition(definition: Definition, kept: Sequence[str]) -> Definition:
-    """Definition with only the elements ``kept``, and the inputs and sensors whose nodes and elements are left.
-
-    Values that are quoted at another shaft are converted to their own before the way there is cut.
-    """
-    own = {element.name: element for element in definition.switched_on}
-    elements: dict[str, Element] = {name: own.get(name, definition.elements[name]) for name in kept}
-    nodes = set(all_nodes(elements.values()))
-    inputs = {
-        name: channel
-        for name, channel in definition.inputs.items()
-        if channel.quantity == "angle" and nodes.issuperset(channel.nodes)
-    }
-    sensors = {
-        name: sensor
-        for name, sensor in definition.sensors.items()
-        if (sensor.of in elements if sensor.is_on_element else nodes.issuperset(sensor.nodes))
-    }
-    return replace(definition, elements=elements, inputs=inputs, sensors=sensors)
-
-
 def _of_cut_system(
     drivetrain: AssembledModel,
     kept: Sequence[str],
     measured: str,
     modes_of: Callable[[AssembledModel], ModesAndWarnings],
 ) -> ModesAndWarnings:
+    from torsionnet.linear.dynamic_stiffness.transfer_request import cut_definition
+
     rest = drivetrain.with_definition(cut_definition(drivetrain.definition, kept))
     try:
         rest_modes, warned = modes_of(rest)

@@ -24,8 +24,7 @@ from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.law_stiffness import LawStiffness
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.dynamic_stiffness.quotient import respond
-from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest
-from torsionnet.linear.modes.natural_modes import cut_definition, elements_beyond_cut
+from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, cut_definition, elements_beyond_cut
 from torsionnet.linear.sensitivity.augmented import Augmented, augmented
 from torsionnet.linear.sensitivity.derivative_problem import DerivativeProblem
 from torsionnet.linear.sensitivity.unknowns import Unknowns
