@@ -7,6 +7,7 @@ from importlib import import_module
 import pytest
 
 import torsionnet as tn
+from torsionnet.app.cli.app import COMMANDS, same_command
 from torsionnet.base import familiar_words
 from torsionnet.model.elements import ELEMENT_TYPES
 from torsionnet.study.study_result import StudyResult
@@ -45,6 +46,8 @@ def message(text):
         ("torsional_spring", "stiffness: 1e4", 'did you mean "spring"? known:'),
         ("Dashpot", "damping: 1e4", 'did you mean "damper"? known:'),
         ("torque_source", "torque: 3", "inputs: {T: {torque: node}}"),
+        ("rotary_load", "inertia: 3", 'did you mean "inertia"? known:'),
+        ("freewheel", "stiffness: 3", "a freewheel is a coupling that a configuration switches off"),
     ],
 )
 def test_model_files(kind, entries, said):
@@ -55,6 +58,20 @@ def test_model_files(kind, entries, said):
 def test_damping_of_a_whole_model_belongs_to_its_springs(key):
     said = message(f"{key}: 2 %\n{SPRING.format(kind='spring', entries='stiffness: 1e4')}")
     assert "write damping: {zeta: 2 %, at: 12 Hz} in the springs" in said
+
+
+@pytest.mark.parametrize(
+    ("key", "said"),
+    [
+        ("units", "a number has its unit with it"),
+        ("masses", "all of them are elements:"),
+        ("outputs", "what is read is a sensor"),
+        ("M", "matrices are an element, type: lumped_matrices"),
+        ("simulation", "a model says nothing of calculations"),
+    ],
+)
+def test_sections_of_other_programs(key, said):
+    assert said in message(f"{key}: {{a: 1}}\n{SPRING.format(kind='spring', entries='stiffness: 1e4')}")
 
 
 def test_a_damper_is_not_told_of_damping_ratios():
@@ -110,6 +127,26 @@ def test_names_of_packages():
         tn.ode45  # noqa: B018
 
 
+ELSEWHERE = (
+    "c2d fft ifft psd rms kurtosis unwrap resample detrend hann butter filtfilt hilbert envelope diff cumtrapz "
+    "interp1 xcorr mac modalfit modalfrf modalsd n4sid tachorpm rpmtrack ordertrack orderspectrum rpmfreqmap tsa "
+    "rainflow goodman miner pole damp eigs pzmap zero rlocus margin sigma bodemag freqresp zpk frd minreal balreal "
+    "guyan craig_bampton impulse step initial solve_ivp linmod campbell db mag2db deg2rad lsqcurvefit fmincon "
+    "montecarlo sobol loadmat savemat simulink simscape animate cpsd mscohere tfestimate coherence eigenvalues "
+    "stiffness_matrix assemble holzer linspace lookup figure "
+)
+
+
+def test_words_of_matlab_simscape_and_numpy_are_known_to_packages_objects_and_the_command_line():
+    """Each is told where it is done: in torsionnet itself, by a method, or in numpy, scipy or control."""
+    rig = tn.load("dmf_rig")
+    for word in ELSEWHERE.split():
+        for tried in (tn, rig):
+            with pytest.raises(AttributeError, match=rf"'{word}'; write "):
+                getattr(tried, word)
+        assert same_command(word) or word in {*COMMANDS} or word in familiar_words.ANYWHERE
+
+
 def test_attributes():
     rig = tn.load("dmf_rig")
     with pytest.raises(AttributeError, match=r"^'Drivetrain' .*'frf'; write model.frequency_response"):
@@ -144,8 +181,9 @@ def there(place, of):
 def test_what_is_named_exists():
     """Every name in every hint is one that there is."""
     starts = {"tn": tn, "plot": tn.plot, "signals": tn.signals, "io": tn.io, "model": tn.Drivetrain, "modes": tn.Modes}
-    starts |= {"response": tn.FrequencyResponse, "symbolic": SymbolicSystem}
-    found = [*familiar_words.PYTHON.values(), *familiar_words.METHODS.values()]
+    starts |= {"response": tn.FrequencyResponse, "symbolic": SymbolicSystem, "record": tn.signals.Recording}
+    starts |= {"modal": tn.modal}
+    found = [familiar_words.ANYWHERE, *familiar_words.PYTHON.values(), *familiar_words.METHODS.values()]
     named = [
         one
         for table in found
@@ -154,7 +192,7 @@ def test_what_is_named_exists():
     ]
     assert len(named) > 60
     for start, name, then in named:
-        if start == "np":
+        if start in {"np", "scipy", "control", "linalg", "signal", "integrate", "fft"}:
             continue
         assert there(name, starts[start]), (start, name)
         if start == "tn" and then:
@@ -164,9 +202,8 @@ def test_what_is_named_exists():
 
 
 def test_arguments_in_hints_are_those_of_the_methods():
-    texts = [
-        text for table in (*familiar_words.PYTHON.values(), *familiar_words.METHODS.values()) for text in table.values()
-    ]
+    tables = (familiar_words.ANYWHERE, *familiar_words.PYTHON.values(), *familiar_words.METHODS.values())
+    texts = [text for table in tables for text in table.values()]
     calls = [call for text in texts for call in re.findall(r"(?:model|tn\.Drivetrain)\.(\w+)\(([a-z_, ]+)\)", text)]
     assert len(calls) > 10
     for method, arguments in calls:

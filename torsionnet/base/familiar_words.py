@@ -65,13 +65,65 @@ ELEMENT_TYPES: Mapping[str, str] = {
     "torsional_damper": "tuned_damper",
     "torsional_spring": "spring",
     "wheel": "inertia",
+    "rotational_inertia": "inertia",
+    "rotary_inertia": "inertia",
+    "rotary_load": "inertia",
+    "inertia_load": "inertia",
+    "lumped_mass": "inertia",
+    "pulley": "inertia",
+    "rotary_spring": "spring",
+    "torsion_spring": "spring",
+    "torsion_bar": "spring",
+    "rotary_damper": "damper",
+    "worm_gear": "gear",
+    "gear_mesh": "gear",
+    "transformer": "gear",
+    "belt_pulley": "belt",
+    "belt_drive": "belt",
+    "chain": "chain_drive",
+    "sun_planet": "planetary",
+    "ring_planet": "planetary",
+    "vehicle_body": "vehicle",
+    "variable_ratio_transmission": "gearbox",
+    "synchronous_motor": "synchronous_machine",
+    "hydrodynamic_coupling": "fluid_coupling",
+    "mechanical_rotational_reference": "lock",
+    "reference": "lock",
+    "loaded_contact_friction": "friction",
+    "disk_brake": "friction",
+    "brake": "friction",
+    "band_brake": "friction",
+    "cone_clutch": "clutch",
+    "dog_clutch": "clutch",
+    "synchronizer": "clutch",
+    "hysteresis": "hysteretic_spring",
+    "viscous_torsional_damper": "viscous_damper",
 }
 """Element type by a word that other programs have for it."""
 
 SECTIONS: Mapping[str, str] = {
     **dict.fromkeys(("ideal_torque_source", "torque_source"), "a torque is an input, inputs: {T: {torque: node}}"),
     **dict.fromkeys(("motion_sensor", "sensor", "speed_sensor", "torque_sensor"), "see the section sensors:"),
-    **dict.fromkeys(("diesel_engine", "engine"), "an engine excites, excitations: {gas: {type: reciprocating_engine}}"),
+    **dict.fromkeys(
+        ("diesel_engine", "engine", "generic_engine", "piston_engine"),
+        "an engine excites, excitations: {gas: {type: reciprocating_engine}}",
+    ),
+    **dict.fromkeys(
+        ("angular_velocity_source", "ideal_angular_velocity_source"),
+        "a motion is an input, inputs: {phi: {angle: node}}",
+    ),
+    **dict.fromkeys(
+        ("cv_joint", "hookes_joint", "universal_joint"),
+        "a joint excites at order 2, excitations: {joint: {type: universal_joint}}",
+    ),
+    **dict.fromkeys(
+        ("freewheel", "one_way_clutch", "overrunning_clutch", "unidirectional_clutch"),
+        "a freewheel is a coupling that a configuration switches off",
+    ),
+    **dict.fromkeys(("dc_motor", "electric_motor", "servomotor"), "a motor is an inertia; its control a controller"),
+    **dict.fromkeys(("free_end", "rotational_free_end"), "an end to which nothing is attached is free"),
+    "ground": "ground is a node of every model, nodes: [a, ground]",
+    "scope": "what is read is a sensor, sensors: {theta: {angle: node}}",
 }
 """Section to write instead, by the element that other programs have for it."""
 
@@ -147,6 +199,28 @@ ADVICE: Mapping[str, tuple[str, str]] = {
         "damping",
         "take type: hysteretic_spring, which has a loss factor, or give damping: {zeta: ..., at: ...}",
     ),
+    "units": ("elements", "a number has its unit with it, as stiffness: 10 kN*m/rad"),
+    **dict.fromkeys(
+        ("components", "bodies", "masses", "inertias", "springs", "shafts", "gears", "joints"),
+        ("elements", "all of them are elements:, as elements: {disc: {type: inertia, node: a, inertia: 2 kg*m^2}}"),
+    ),
+    "materials": ("elements", "leave it out for steel; a shaft of another material has shear_modulus and density"),
+    "connections": ("elements", "elements that name the same node are connected, as nodes: [a, b] and node: b"),
+    "dofs": ("elements", "nodes exist by being named in elements; kinematics tells their degrees of freedom"),
+    "boundary_conditions": ("elements", "write ground as a node, nodes: [a, ground], or an element type: lock"),
+    **dict.fromkeys(("output", "outputs"), ("elements", "what is read is a sensor, sensors: {theta: {angle: node}}")),
+    **dict.fromkeys(
+        ("torque", "loads"), ("elements", "a torque is an input, inputs: {T: {torque: node}}; a mean one a load:")
+    ),
+    **dict.fromkeys(("rpm", "speed"), ("elements", "write speeds: {of: node, range: 600..4000 rpm}")),
+    **dict.fromkeys(
+        ("frequency", "frequencies", "solver", "simulation"),
+        ("elements", "a model says nothing of calculations; give it where they are asked, as torsionnet frf --from 1"),
+    ),
+    **dict.fromkeys(
+        ("M", "C", "K"), ("elements", "matrices are an element, type: lumped_matrices, or tn.Drivetrain.from_matrices")
+    ),
+    "engine": ("elements", "an engine excites, excitations: {gas: {type: reciprocating_engine}}"),
 }
 """Entry that the section must have, and what to write there, by a key that it has not."""
 
@@ -226,9 +300,95 @@ PYTHON: Mapping[str, Mapping[str, str]] = {
 }
 """Python code by a name that a package has not, and by the package."""
 
+_SAMPLES = 'record["T"].values'
+_RECORD = "io.write_recording(record, path)"
+_STATES = "model.to_control(output, input)"
+_FILTERED = f"scipy.signal.sosfiltfilt(sos, {_SAMPLES}), whose result makes a signals.Signal"
+_ORDERS = "signals.track_orders(record, rotation, orders=[2, 4])"
+_IDENTIFIED = "modal.identify_modes(response)"
+_FITTED = "tn.identify(model, measurements, unknowns)"
+_STUDY = "tn.study.run_study(study), of a file with variations and answers"
+_IMPORTED = "tn.load(path) for models, tn.signals.read_recording(path) for records"
+_LINEAR = "model.at(torque={...}), whose results are linear about that operating point"
+_REDUCED = "model.modes(lowest=6) for the lowest modes; a model is not reduced, large ones are solved sparse"
+_FATIGUE = "model.check_limits(), of stresses under limits: of the model"
+ANYWHERE: Mapping[str, str] = {
+    **dict.fromkeys(("c2d", "sample_system"), f"control.sample_system({_STATES}, 1e-3)"),
+    "d2c": f"{_STATES}, which is continuous",
+    **dict.fromkeys(("fft", "rfft"), f"signals.spectrogram(record, name), or np.fft.rfft({_SAMPLES})"),
+    **dict.fromkeys(("ifft", "irfft"), "np.fft.irfft of a spectrum, and model.simulate(output, input, sampling_rate)"),
+    **dict.fromkeys(("psd", "stft", "periodogram"), "signals.spectrogram(record, name)"),
+    **dict.fromkeys(("cpsd", "mscohere"), "signals.estimate(record, output, input), which has coherence"),
+    "xcorr": f"scipy.signal.correlate of two arrays such as {_SAMPLES}",
+    "rms": 'record["T"].rms, or conventions of amplitude: tn.Conventions(amplitude="rms")',
+    **dict.fromkeys(("mean", "std", "kurtosis", "crest_factor"), f"np.mean and the like of {_SAMPLES}"),
+    "peak2peak": f"np.ptp({_SAMPLES})",
+    "unwrap": "signals.unwrapped(signal)",
+    "resample": "signals.resampled(record, sampling_rate)",
+    "detrend": 'signals.Welch(detrend="linear"), the settings of estimates',
+    **dict.fromkeys(
+        ("window", "hann", "hamming", "hanning"), 'signals.Welch(window="hann"), the settings of estimates'
+    ),
+    **dict.fromkeys(("butter", "filter", "filtfilt", "lowpass", "bandpass", "sosfiltfilt"), _FILTERED),
+    **dict.fromkeys(("hilbert", "envelope"), f"scipy.signal.hilbert({_SAMPLES})"),
+    **dict.fromkeys(("diff", "gradient", "derivative"), f"np.gradient({_SAMPLES}, record.time)"),
+    **dict.fromkeys(
+        ("trapz", "cumtrapz", "integrate"), f"scipy.integrate.cumulative_trapezoid({_SAMPLES}, record.time)"
+    ),
+    **dict.fromkeys(("interp1", "interp"), f"np.interp(times, record.time, {_SAMPLES})"),
+    "mac": "modal.match(estimate, modes).mac, and plot.mac_matrix for its picture",
+    **dict.fromkeys(("modalfit", "modalfrf", "ema", "rationalfit", "n4sid", "ssest", "tfest"), _IDENTIFIED),
+    **dict.fromkeys(
+        ("modalsd", "stabilization"), "modal.stabilisation(response), and plot.stabilisation for its picture"
+    ),
+    **dict.fromkeys(("tachorpm", "tacho", "rpm"), "signals.mean_rotation(record, name)"),
+    **dict.fromkeys(("rpmtrack", "ordertrack", "orderspectrum", "order_tracking"), _ORDERS),
+    **dict.fromkeys(("rpmfreqmap", "rpmordermap", "waterfall"), f"plot.waterfall({_ORDERS}[0])"),
+    **dict.fromkeys(("tsa", "synchronous_average"), f"{_ORDERS}, whose method is signals.CycleAverage"),
+    **dict.fromkeys(("rainflow", "sn_curve", "miner", "goodman"), _FATIGUE),
+    **dict.fromkeys(("pole", "poles", "damp", "eigs", "eigh", "eigenfrequencies", "pzmap"), "model.modes()"),
+    **dict.fromkeys(("zero", "zeros", "tzero"), 'model.modes(measured_input="T"), whose poles are the zeros of T'),
+    **dict.fromkeys(("rlocus", "root_locus"), f"control.root_locus({_STATES})"),
+    **dict.fromkeys(("margin", "allmargin", "nyquist"), "model.loop_margins(), and plot.nyquist for its picture"),
+    **dict.fromkeys(("sigma", "svd"), "np.linalg.svd(response.values), or modal.cmif(response)"),
+    **dict.fromkeys(("bodemag", "bodeplot"), "plot.bode(response)"),
+    **dict.fromkeys(("freqresp", "freqs", "evalfr"), "model.frequency_response(output, input, frequencies)"),
+    **dict.fromkeys(("zpk", "tf2zpk"), f"control.zeros({_STATES}), control.poles and its D matrix"),
+    "frd": "response.to_control()",
+    **dict.fromkeys(("minreal", "balreal", "modred"), f"control.minimal_realization({_STATES})"),
+    **dict.fromkeys(("guyan", "craig_bampton", "superposition", "reduce"), _REDUCED),
+    **dict.fromkeys(
+        ("impulse", "step", "initial", "initial_response", "solve_ivp", "odeint", "sim"),
+        "model.simulate(output, input, sampling_rate)",
+    ),
+    **dict.fromkeys(("linmod", "linearize", "linearise"), _LINEAR),
+    **dict.fromkeys(("campbell", "campbell_diagram"), "plot.interference_diagram(model.critical_speeds())"),
+    **dict.fromkeys(("db", "mag2db"), "response.decibels"),
+    **dict.fromkeys(("db2mag", "db2pow"), "10 ** (decibels / 20)"),
+    **dict.fromkeys(("deg2rad", "rad2deg", "rpm2rad"), 'tn.units.convert(3, "deg", "rad")'),
+    **dict.fromkeys(("lsqcurvefit", "curve_fit", "least_squares", "fminsearch"), _FITTED),
+    **dict.fromkeys(("fmincon", "optimize", "minimize", "montecarlo", "monte_carlo", "sobol"), _STUDY),
+    **dict.fromkeys(("load_mat", "loadmat", "read_excel", "import_data"), _IMPORTED),
+    "savemat": "tn.io.write_matlab(model, path) for models, io.write_recording(record, path) for records",
+    **dict.fromkeys(("simulink", "simscape", "fmu", "fmi"), "tn.io.write_fmu(model, path), or io.write_matlab"),
+    **dict.fromkeys(("welch", "tfestimate", "csd", "coherence", "frf"), "signals.estimate(record, output, input)"),
+    "decimate": "signals.decimate(record, factor)",
+    "spectrogram": "signals.spectrogram(record, name)",
+    "eigenvalues": "model.modes().eigenvalues",
+    **dict.fromkeys(("mass_matrix", "stiffness_matrix", "assemble"), "model.matrices()"),
+    "holzer": "model.holzer_table()",
+    "fatigue": _FATIGUE,
+    "save": "model.to_yaml(path), io.write_recording(record, path), and plot.save(figure, path)",
+    "to_csv": "io.write_recording(record, path), or to_csv of a response, modes and tables",
+    "figure": "the plot that you want, as plot.bode(response), which returns its figure",
+    "lookup": "tn.TabulatedSpring for tables over frequency, tn.Spring for those over twist",
+    "linspace": "np.linspace(1, 100, 1000)",
+    "animate": "plot.mode_shapes(modes); torsionnet explore on the command line shows them in motion",
+}
+"""Python code by words of Matlab, Simscape, Amesim, NumPy and SciPy, which may be tried on anything."""
+
 _MATRICES = "model.matrices(), which has M, C and K in numbers, or model.symbolic() for formulas"
 _DAMPING = 'damping={"zeta": "2 %", "at": "12 Hz"} of its springs, to which damping belongs'
-_RECORD = "io.write_recording(record, path)"
 METHODS: Mapping[str, Mapping[str, str]] = {
     "Drivetrain": {
         "C": _MATRICES,

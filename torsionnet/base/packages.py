@@ -148,7 +148,10 @@ def python_hint(table: Mapping[str, str], name: str, known: Iterable[str]) -> st
     """
     if name.startswith("_"):
         return ""
-    return f"; write {table[name]}" if name in table else did_you_mean(name, known)
+    from torsionnet.base.familiar_words import ANYWHERE
+
+    said = table.get(name) or ANYWHERE.get(name)
+    return f"; write {said}" if said else did_you_mean(name, known)
 
 
 TABLES: dict[str, dict[str, str]] = {}

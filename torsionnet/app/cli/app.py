@@ -218,9 +218,11 @@ class LazyGroup(click.Group):
         if args and not args[0].startswith("-") and args[0] not in COMMANDS:
             from torsionnet.app.cli.options import WrongUsage
             from torsionnet.base.errors import did_you_mean
+            from torsionnet.base.familiar_words import ANYWHERE
 
-            same = same_command(args[0])
-            hint = f"; say {same}" if same else did_you_mean(args[0], COMMANDS) or f"; there are {', '.join(COMMANDS)}"
+            same, code = same_command(args[0]), ANYWHERE.get(args[0].lower().replace("-", "_"))
+            hint = f"; say {same}" if same else f"; in Python, write {code}" if code else ""
+            hint = hint or did_you_mean(args[0], COMMANDS) or f"; there are {', '.join(COMMANDS)}"
             raise WrongUsage(f'no command is named "{args[0]}"{hint}', kind="unknown-word")
         return super().resolve_command(ctx, args)
 
@@ -284,33 +286,36 @@ def run(arguments: Sequence[str] | None) -> int:
 SAME = {
     "frf --plot bode.png": "bode bodeplot bodemag freqresp freq response responses receptance mobility tf transfer",
     "margins --plot nyquist.png": "nyquist margin stability allmargin",
-    "modes": "eig eigen eigs eigenvalues eigenfrequencies poles pole damp frequencies modal pzmap natural-frequencies",
+    "modes": "eig eigen eigs eigh eigenvalues eigenfrequencies poles pole damp frequencies modal pzmap "
+    "natural-frequencies",
     "modes --shapes --plot shapes.png": "shape shapes mode-shapes eigenvectors modeshapes",
     "equations": "symbolic latex formula formulas eom motion",
     "equations --tf OUTPUT/INPUT": "transfer-function transfer-functions",
     "show --plot schematic.svg": "draw picture schematic scheme diagram graph view",
     "show --matrices": "matrix matrices mck",
     "frf --plot, orders --plot, modes --plot, show --plot": "plot plots figure",
-    "simulate, with a scenario of the model": "step impulse lsim sim transient time scenario run integrate ode45",
+    "simulate, with a scenario of the model": "step impulse initial lsim sim solve-ivp "
+    "transient time scenario run integrate ode45",
     "critical-speeds --plot campbell.png": "campbell interference resonance resonances criticals lateral",
     "orders --plot orders.png --picture waterfall": "waterfall cascade",
     "orders": "forced harmonic harmonics excitation tvc tva torsional",
     "static": "mean balance power torque equilibrium",
-    "limits": "fatigue stress barred allowable strength rules",
+    "limits": "fatigue stress barred allowable strength rules rainflow miner goodman",
     "damper": "tune absorber optimize-damper optimise-damper",
-    "study": "monte-carlo montecarlo tolerance tolerances sweep sobol optimize optimise optimization variants doe",
+    "study": "monte-carlo montecarlo tolerance tolerances sweep sobol optimize optimise optimization variants doe "
+    "fmincon",
     "sensitivity": "tornado gradient derivatives influence",
     "explore": "gui app ui browser slider sliders open edit",
     "check": "lint validate verify test-model",
     "new": "init create template start",
     "library": "examples list models parts catalogue",
     "bench": "test measure virtual record",
-    "estimate": "h1 h2 coherence tfestimate welch",
+    "estimate": "h1 h2 coherence tfestimate welch csd cpsd mscohere",
     "spectrogram": "fft psd pwelch spectrum stft signal",
-    "track": "order-tracking rpmtrack ordertrack ordertracking vold-kalman",
-    "angle": "teeth encoder pulses tacho tachometer speed",
-    "fit": "identify identification calibrate update correlate updating",
-    "identify-modes": "ema modalfit stabilisation stabilization lscf",
+    "track": "order-tracking rpmtrack ordertrack ordertracking orderspectrum rpmfreqmap tsa vold-kalman",
+    "angle": "teeth encoder pulses tacho tachometer tachorpm unwrap speed",
+    "fit": "identify identification calibrate update correlate updating lsqcurvefit tfest ssest",
+    "identify-modes": "ema modalfit modalfrf modalsd mac stabilisation stabilization lscf n4sid",
     "damping": "decay logdec decrement oma ambient run-up",
     "report": "document doc word docx pdf html approval",
     "export MODEL -o model.mat": "ss state-space statespace",
