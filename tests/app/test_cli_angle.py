@@ -109,20 +109,20 @@ def test_all_that_is_wrong_with_wheels_is_said_at_once(folder):
 @pytest.mark.parametrize(
     ("arguments", "message", "code"),
     [
-        ([], "name the channel of pulses: --pulses n1=60", 2),
-        (["--pulses", "n1"], "n1: how many teeth does the wheel have", 1),
-        (["--pulses", "n3=60"], 'no channel is named "n3"', 1),
+        ([], "--pulses n1=60.*missing-entry", 2),
+        (["--pulses", "n1"], "n1: .*missing-entry", 1),
+        (["--pulses", "n3=60"], '"n3".*unknown-channel', 1),
         (["--pulses", "n1=60", "--ratio", "fast"], "n1: --ratio", 1),
         (
             ["--pulses", "n1=60", "--wheels", "w.yaml"],
-            "leave n1=60 out; --pulses n1 without teeth takes one wheel of the file",
+            "n1=60.*contradicting-entries",
             2,
         ),
     ],
 )
 def test_bad_options(folder, arguments, message, code):
     done = run("angle", str(folder / "run.npz"), *arguments, code=code)
-    assert message in done.stderr
+    assert re.search(f"(?s){message}", done.stderr)
 
 
 class TestWheelFiles:

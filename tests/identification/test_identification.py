@@ -512,7 +512,7 @@ def test_faults_of_a_saved_fit_are_told_at_once_with_their_lines(tmp_path):
     told = str(raised.value)
     for line, words in (
         (2, 'unknown key "titel"'),
-        (5, "expected a number, got 'low'"),
+        (5, "'low'"),
         (17, "expected a number, got [1.0]"),
     ):
         assert f"fit.yaml:{line}:" in told
@@ -533,12 +533,12 @@ def test_faults_of_a_saved_fit_are_told_at_once_with_their_lines(tmp_path):
     [
         ({}, ["c_M"], "c_M does not act on theta_1/T_T; leave it out"),
         ({}, ["c_M", "I_1"], "c_M, I_1 do not act on theta_1/T_T; leave them out"),
-        ({}, ["c_3"], 'no parameter is named "c_3"'),
-        ({}, [], "name at least one parameter"),
+        ({}, ["c_3"], '"c_3".*unknown-parameter'),
+        ({}, [], "missing-entry"),
         ({"band": (90, 95)}, ["c_2"], "has nothing from 90 to 95 Hz to compare; its lines go from 0.5 to 25 Hz"),
-        ({"band": (5, 5.3)}, ["c_2", "k_2", "I_2", "c_B", "k_1"], "5 parameters cannot be found from 2 lines"),
-        ({"model_output": "theta_9"}, ["c_2"], 'no sensor or node is named "theta_9"; did you mean "theta_1"'),
-        ({"model_output": "velocity(motor)"}, ["c_2"], "theta_1 is in rad in the data, in rad/s in the model"),
+        ({"band": (5, 5.3)}, ["c_2", "k_2", "I_2", "c_B", "k_1"], "5 .* 2 .*too-short"),
+        ({"model_output": "theta_9"}, ["c_2"], '"theta_9"; did you mean "theta_1".*unknown-channel'),
+        ({"model_output": "velocity(motor)"}, ["c_2"], "theta_1 .* rad .* rad/s .*wrong-unit"),
         ({"configuration": "II"}, ["c_2"], "II"),
         ({"band": (5, 2)}, ["c_2"], "a band goes from"),
         ({}, {"c_2": tn.Unknown(start=9, bounds=(1, 5))}, "c_2 begins at 9, outside its bounds 1 to 5"),
@@ -547,9 +547,8 @@ def test_faults_of_a_saved_fit_are_told_at_once_with_their_lines(tmp_path):
 )
 def test_impossible_fits_are_refused_with_a_reason(change, parameters, message):
     rig = tn.load("dmf_rig")
-    with pytest.raises(UsageError) as caught:
+    with pytest.raises(UsageError, match=f"(?s){message}"):
         tn.identify(rig, measured(response(rig), **{"name": "run", **change}), parameters)
-    assert message in str(caught.value)
 
 
 def test_unknown_words_and_double_names():

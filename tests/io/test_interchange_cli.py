@@ -126,8 +126,8 @@ def test_another_ending_with_a_format(tmp_path):
     ("arguments", "text"),
     [
         (["-o", "x.zip"], '".zip" tells no format'),
-        (["-o", "x.m", "--format", "fmu"], "a file ending in .m is of the format matlab, not fmu"),
-        (["-o", "x.bin", "--format", "fmu"], "give a file ending in .fmu"),
+        (["-o", "x.m", "--format", "fmu"], "contradicting-entries"),
+        (["-o", "x.bin", "--format", "fmu"], "wrong-file"),
         (["-o", "x.m", "--step", "0.1"], "--step applies only to an FMU"),
         (["-o", "x.m", "--fmi", "3.0"], "--fmi applies only to an FMU"),
         (["-o", "x.fmu", "--step", "-1"], "positive time in s"),

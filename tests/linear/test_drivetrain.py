@@ -263,8 +263,8 @@ class TestChecks:
             '"k_1"; did you mean "k1"',
             "loop",
             "elements.j.inertia: error: -2: ",
-            'sensors.t.torque: error: no element is named "x"',
-            'no node is named "q"',
+            "sensors.t.torque: error: ",
+            "sensors.angle.angle: error: ",
         ):
             assert words in text
 

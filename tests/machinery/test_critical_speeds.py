@@ -3,6 +3,7 @@
 import csv
 import itertools
 import math
+import re
 
 import numpy as np
 import pytest
@@ -430,18 +431,17 @@ class TestQuestions:
         ("settings", "text"),
         [
             ({"excitation": ["bladez"]}, 'did you mean "blades"'),
-            ({"reach": 1.5}, "reach is a share of the speeds"),
+            ({"reach": 1.5}, "reach.*out-of-range"),
             ({"line_frequency": -50}, "above 0 Hz"),
             ({"speeds": [0.0, 10.0]}, "above 0, in rad/s"),
             ({"speeds": []}, "above 0, in rad/s"),
-            ({"output": "shft"}, 'no sensor or node is named "shft"'),
+            ({"output": "shft"}, '"shft".*unknown-channel'),
             ({"margin": "api6"}, "no margin rule"),
         ],
     )
     def test_what_is_refused(self, settings, text):
-        with pytest.raises(tn.UsageError) as caught:
+        with pytest.raises(tn.UsageError, match=f"(?s){text}"):
             two_mass(damping=1.0).critical_speeds(**settings)
-        assert text in str(caught.value)
 
     def test_without_speeds_or_excitations(self):
         with pytest.raises(tn.UsageError, match="missing-entry"):
@@ -533,12 +533,12 @@ class TestCommand:
         [
             (["--margin", "api648"], 'did you mean "api684"'),
             (["--stars", "40", "--plot", "x.png"], "there is no mode 40"),
-            (["--rings", "locked"], "no element of type viscous_damper"),
-            (["--excitation", "motor"], 'no excitation is named "motor"'),
+            (["--rings", "locked"], "viscous_damper"),
+            (["--excitation", "motor"], '"motor".*unknown-name'),
         ],
     )
     def test_what_is_wrong_is_told(self, options, text):
-        assert text in run("critical-speeds", "plant.yaml", *options, code=2).stderr
+        assert re.search(text, run("critical-speeds", "plant.yaml", *options, code=2).stderr)
 
 
 class TestPictures:

@@ -327,7 +327,7 @@ class TestCommand:
     @pytest.mark.parametrize(
         ("options", "code", "text"),
         [
-            (["plant.yaml", "--output", "g"], 2, 'no sensor or node is named "g"'),
+            (["plant.yaml", "--output", "g"], 2, "unknown-channel"),
             (["plant.yaml", "--output", "f", "--excitation", "fun"], 2, 'did you mean "fan"? there are motor, fan'),
             (["dmf_rig", "--output", "theta_1"], 2, "missing-entry"),
             (["plant.yaml"], 2, "Missing option '--output'"),
