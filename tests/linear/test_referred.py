@@ -405,6 +405,7 @@ class TestReadings:
             assert symbols == pytest.approx(numbers, rel=1e-9)
         measured = rig.frequency_response("a", output, F).values[:, 0, 0]
         assert measured == pytest.approx(TAU * rig.frequency_response("a", "T_s", F).values[:, 0, 0], rel=1e-10)
+        assert rig.to_control("a", output)(2j * np.pi * F) == pytest.approx(measured, rel=1e-6)
         symbols = rig.symbolic().transfer_function("a", output).evaluate(F).values[:, 0, 0]
         assert symbols == pytest.approx(measured, rel=1e-9)
         found = parametric_response(rig, output, "T", F, ["tau"]).evaluation([TAU])

@@ -55,13 +55,15 @@ def far_side(drivetrain: AssembledModel, request: TransferRequest) -> FarSide | 
     """Drivetrain beyond the measured torque of a request, None where that does not hold all of its outputs."""
     kept = elements_beyond_cut(drivetrain, request) if request.is_measured else None
     meter = request.inputs[0].sensor
-    if kept is None or meter is None:
+    if kept is None or meter is None or meter.referred_to:
         return None
     rest = drivetrain.with_definition(cut_definition(drivetrain.definition, kept))
 
     def is_there(sensor: Sensor | None) -> bool:
-        return sensor is not None and (
-            sensor.of in rest.elements if sensor.is_on_element else {*rest.nodes} >= {*sensor.nodes} - {GROUND}
+        return (
+            sensor is not None
+            and not sensor.referred_to
+            and (sensor.of in rest.elements if sensor.is_on_element else {*rest.nodes} >= {*sensor.nodes} - {GROUND})
         )
 
     if not all(is_there(output.sensor) for output in request.outputs):
