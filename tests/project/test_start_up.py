@@ -119,7 +119,6 @@ NOT_FOR_A_PLAIN_RIG = {
         "parts.authored_model",
         "parts.flattening",
         "parts.part",
-        "parts.use",
         "readings",
         "referral",
     )

@@ -7,7 +7,7 @@ from torsionnet.base.entries.spec import Renaming
 from torsionnet.model.defining import flatten_definition
 from torsionnet.model.definition import Definition
 from torsionnet.model.parts.authored_model import part_of
-from torsionnet.model.parts.use import Use
+from torsionnet.model.parts.part import Use
 
 
 def in_a_part(definition):

@@ -29,8 +29,7 @@ if TYPE_CHECKING:
     from torsionnet.machinery.limits import Limit
     from torsionnet.model.balanced_state import BalancedState
     from torsionnet.model.load.load_section import Load
-    from torsionnet.model.parts.part import Part
-    from torsionnet.model.parts.use import Use
+    from torsionnet.model.parts.part import Part, Use
     from torsionnet.motion.scenarios.scenario import Scenario
     from torsionnet.report.plan.report_plan import ReportPlan
 

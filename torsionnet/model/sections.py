@@ -256,7 +256,7 @@ REPORT = Nested(
 USE = Named(
     "parts put into this model, by the name that stands before those of all they hold",
     Nested(
-        "a part, the nodes it is joined to and its values", partial(imported, "torsionnet.model.parts.use:Use"), "use"
+        "a part, the nodes it is joined to and its values", partial(imported, "torsionnet.model.parts.part:Use"), "use"
     ),
     refused=prefix_fault,
     names=PLAIN_NAME_SCHEMA,

@@ -162,11 +162,16 @@ class FrequencyPoints:
 
 
 def transfer_functions(
-    request: TransferRequest, laws: LawStiffness, method: str = "auto", *, other_order: bool = False
+    request: TransferRequest,
+    laws: LawStiffness,
+    method: str = "auto",
+    *,
+    other_order: bool = False,
+    values_alone: bool = False,
 ) -> FrequencyPoints:
     """Transfer functions (n_points, n_out, n_in) of a request at all frequency points of the ``laws``.
 
-    With ``other_order`` another order of elimination is used.
+    With ``other_order`` another order of elimination is used. ``values_alone`` leaves the conditioning at 1.
     """
     reading_problem, n_out = request.reading_problem, len(request.outputs)
     if other_order:
@@ -194,15 +199,16 @@ def transfer_functions(
         # cancels: the poles are the zeros of the measured input (natural_modes.poles_against_measured).
         measured = readings[:, n_out:]
         values, apart = _divide(values, measured)
-        # Conditioning: measured inputs over the sum of the magnitudes of their terms, largest of any excitation.
-        sizes = np.zeros(measured.shape)
-        with np.errstate(all="ignore"):
-            for number in range(measured.shape[1]):
-                terms, applied = reading_problem.terms[n_out + number], reading_problem.applied[n_out + number]
-                magnitudes = (np.abs(term.contribution(laws, loops.values)).T for term in terms)
-                sizes[:, number] = sum(magnitudes, start=np.abs(applied))
-            shares = np.divide(np.abs(measured), sizes, out=np.zeros(sizes.shape), where=sizes > 0)
-        conditioning = shares.max(axis=2).min(axis=1) * apart
+        if not values_alone:
+            # Conditioning: measured inputs over the sum of the magnitudes of their terms, largest of any excitation.
+            sizes = np.zeros(measured.shape)
+            with np.errstate(all="ignore"):
+                for number in range(measured.shape[1]):
+                    terms, applied = reading_problem.terms[n_out + number], reading_problem.applied[n_out + number]
+                    magnitudes = (np.abs(term.contribution(laws, loops.values)).T for term in terms)
+                    sizes[:, number] = sum(magnitudes, start=np.abs(applied))
+                shares = np.divide(np.abs(measured), sizes, out=np.zeros(sizes.shape), where=sizes > 0)
+            conditioning = shares.max(axis=2).min(axis=1) * apart
     return FrequencyPoints(values, conditioning)
 
 

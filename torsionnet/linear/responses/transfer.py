@@ -105,7 +105,9 @@ def refine_uncertain_points(
 
 def evaluation(request: TransferRequest, method: str) -> Evaluate:
     """Calculation of the transfer functions of a request from laws, in either order of elimination."""
-    return lambda laws, other_order: transfer_functions(request, laws, method, other_order=other_order).values
+    return lambda laws, other_order: (
+        transfer_functions(request, laws, method, other_order=other_order, values_alone=True).values
+    )
 
 
 def expected_errors(evaluate: Evaluate, laws: LawStiffness, values: ComplexArray, rounding: FloatArray) -> FloatArray:

@@ -12,8 +12,7 @@ from torsionnet.base.phrases import in_names
 from torsionnet.model.configurations import DEFAULT_AXIS
 from torsionnet.model.definition import Definition
 from torsionnet.model.parts.flattening import SECTIONS, flatten_parts
-from torsionnet.model.parts.part import Part
-from torsionnet.model.parts.use import Use
+from torsionnet.model.parts.part import Part, Use
 from torsionnet.model.sections import USE
 
 

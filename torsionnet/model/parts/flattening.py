@@ -14,8 +14,7 @@ from torsionnet.base.expressions import Expression
 from torsionnet.model.configurations import DEFAULT_AXIS, Overlay
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import GROUND, Element
-from torsionnet.model.parts.part import Part
-from torsionnet.model.parts.use import Use
+from torsionnet.model.parts.part import Part, Use
 
 # Copies of a part that one use puts into a model, with their names, nodes and values.
 

@@ -27,7 +27,7 @@ from torsionnet.model.element_base.laws import GROUND
 from torsionnet.model.files.located_yaml import MOST_LEVELS
 from torsionnet.model.files.part_includes import MOST_INCLUDED
 from torsionnet.model.parameters import BoundsEntry
-from torsionnet.model.parts.use import PartName, PartParameter, PortName
+from torsionnet.model.parts.part import PartName, PartParameter, PortName
 
 
 @dataclass(frozen=True)

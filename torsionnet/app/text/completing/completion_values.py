@@ -44,7 +44,7 @@ from torsionnet.model.element_base.element_entries import CATALOGUE, CatalogueEn
 from torsionnet.model.element_base.laws import GROUND
 from torsionnet.model.element_base.quantity_table import TableByName, TableByNode
 from torsionnet.model.files.library import library_models
-from torsionnet.model.parts.use import OneOrEach
+from torsionnet.model.parts.part import OneOrEach
 from torsionnet.report.plan.report_plan import SectionName
 
 # Options for a key: the entries that may stand at a place, or the names that a table is by.
