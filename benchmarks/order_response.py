@@ -67,6 +67,7 @@ def marine():
     """
     data = tn.load("marine_medium_speed").definition.to_data()
     data["configurations"] = {"firing": CONDITIONS}
+    del data["report"]  # whose normal condition names another axis
     speeds = (np.linspace(300, 788, SPEEDS) * np.pi / 30).tolist()
     data["speeds"] = {"of": "fly", "list": speeds, "rated": "750 rpm"}
     rig = tn.loads(json.dumps(data)).configured(Q_prop="188.7 kN*m", n_prop="151.8 rpm")
