@@ -159,5 +159,5 @@ class TestCore:
         four, response = use_of(FOUR_CALLS), use_of(ONE_RESPONSE)
         assert len(four.loaded) <= 92
         assert four.code_lines <= 12_760
-        assert len(response.functions) <= 326
+        assert len(response.functions) <= 328
         assert len(response.files) <= 46
