@@ -2,10 +2,11 @@
 
 import json
 import shlex
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from support import running_fan
+from support import running_fan, running_ship
 from support.library_cases import library_cases
 
 import torsionnet as tn
@@ -13,7 +14,7 @@ from torsionnet.app.cli import main
 from torsionnet.app.explore import Documents, open_session
 from torsionnet.app.explore.answers import answer
 from torsionnet.app.explore.api import reply
-from torsionnet.app.explore.over_speed import MOST_ORDERS, ROUGH_SPEEDS
+from torsionnet.app.explore.over_speed import CURVES_ALONE, MOST_ORDERS, ROUGH_SPEEDS
 from torsionnet.app.explore.state import RequestError, State, read_state
 
 OVER_SPEED = State(output="T", axis="speed")
@@ -237,6 +238,13 @@ class TestCommand:
         assert said in captured.err
 
 
+def peak(verdict, low, high):
+    """Largest value over value allowed between two speeds in r/min."""
+    rpm = verdict.speeds * 30 / np.pi
+    inside = (rpm >= low - 1e-6) & (rpm <= high + 1e-6)
+    return np.nanmax((verdict.values / verdict.allowed)[inside])
+
+
 class TestLimits:
     """Values allowed and barred ranges beside those of the command, which examines all speeds of the page and more."""
 
@@ -297,13 +305,36 @@ class TestLimits:
         assert [(one["name"], one["allowed"][0]) for one in orders["limits"]] == [("rubber T_KW", 15e3)]
         assert orders["limit_notes"] == ["torsionnet limits judges also rubber T_KN, rubber T_Kmax, rubber P_KV"]
 
-    @pytest.mark.slow
-    def test_many_cases_have_curves_alone(self, capsys):
-        state = State({"firing": "misfire"}, output="stress(int_shaft)", axis="speed")
-        orders = answer(open_session("marine_medium_speed"), state)["orders"]
-        expected = self.printed(capsys, "marine_medium_speed", "-c", "firing=misfire", "--limit", "intermediate")
-        own = self.allowed(expected, "intermediate", "tau_C", orders["rpm"])
-        shown = np.array(orders["limits"][0]["allowed"], dtype=float)
-        np.testing.assert_allclose(shown, own, rtol=1e-3)  # a parabola between few speeds; none above 1.05 rated
-        assert orders["barred"] == []
-        assert any("torsionnet limits" in note for note in orders["limit_notes"])
+    def test_ranges_of_several_cases_are_the_union_of_those_of_each(self):
+        """Misfires of the cylinders each in turn, beside each alone: lowest and highest ends, the worst case by name."""
+        text, own = running_ship.misfiring(), running_ship.CASES
+        session = open_session("ship", text=text)
+        state = State({"firing": "each"}, output="stress(int_shaft)", axis="speed")
+        orders = answer(session, state)["orders"]
+        alone = {case: session.base.configured(f"firing={case}") for case in own}
+        speeds = np.array(orders["rpm"]) * np.pi / 30
+        checks = {case: rig.check_limits(speeds=speeds, refine=False) for case, rig in alone.items()}
+        for limit in ("intermediate", "propeller_shaft"):
+            ends = sorted(
+                {(span.low, span.high) for check in checks.values() for span in check.of(limit, "tau_C").barred}
+            )
+            joined = []
+            for low, high in ends:
+                if joined and low <= joined[-1][1]:
+                    joined[-1][1] = max(joined[-1][1], high)
+                else:
+                    joined.append([low, high])
+            shown = [one for one in orders["barred"] if one["name"] == f"{limit} tau_C"]
+            assert [[one["from"], one["to"]] for one in shown] == [
+                pytest.approx([end * 30 / np.pi for end in span], rel=2e-3) for span in joined
+            ]
+            for one in shown:
+                used = {case: peak(check.of(limit, "tau_C"), one["from"], one["to"]) for case, check in checks.items()}
+                assert one["case"] == own[max(used, key=used.get)]
+        rough = answer(session, replace(state, rough=True))["orders"]
+        assert (rough["barred"], rough["limit_notes"][0]) == ([], CURVES_ALONE)
+        np.testing.assert_allclose(
+            np.interp(rough["rpm"], orders["rpm"], orders["limits"][0]["allowed"]),
+            rough["limits"][0]["allowed"],
+            rtol=1e-3,  # a parabola between few speeds
+        )

@@ -26,6 +26,8 @@ def on_a_grid(amplitudes, periods, points=200_001):
         [7, 11, 13],
         [1, 40, 41],
         [90, 100, 110, 120],
+        [25, 50, 75, 84, 168],  # two families, of 25 and 84 repetitions
+        [24, 48, 85],
     ],
     ids=str,
 )

@@ -9,6 +9,7 @@ import xml.etree.ElementTree as ET
 from copy import copy
 from dataclasses import replace
 from heapq import heappop, heappush
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -20,9 +21,10 @@ import torsionnet as tn
 from torsionnet import plot
 from torsionnet.base.errors import UsageError
 from torsionnet.plot.drawing.pieces import ROLES, X_HEIGHT, font_widths, is_math, symbol_runs, symbols_width, text_width
-from torsionnet.plot.schematics import wiring
+from torsionnet.plot.schematics import arrangement, wiring
 from torsionnet.plot.schematics.svg_drawing import _id, schematic_svg
 
+ARRANGED = arrangement._arranged
 SVG = "{http://www.w3.org/2000/svg}"
 # Attributes that Content-Security-Policy `style-src 'self'` lets pass: presentation attributes, no style.
 ALLOWED = {
@@ -269,3 +271,37 @@ def test_of_two_ways_around_a_wall_the_same_one_is_always_taken():
     mirrored = wiring._shortest(wiring.Grid(0.0, 0.0, cost), (0, 5), (9, 3))
     assert mirrored == plain_search(cost, (0, 5), (9, 3))
     assert (6, 5) in way
+
+
+def test_what_is_drawn_alike_is_laid_out_once(monkeypatch):
+    """Another stiffness takes the layout of before with titles of its own; sizes, symbols and names lay out anew."""
+    laid_out = []
+    monkeypatch.setattr(arrangement, "_arranged", lambda *given: laid_out.append(given) or ARRANGED(*given))
+    rigs = [
+        line(stiffness="4 kN*m/rad"),
+        line(stiffness="5 kN*m/rad"),
+        line(inertia="9 kg*m^2"),
+        line(damping="3 N*m*s/rad"),
+        line(name="last"),
+    ]
+    for rig, count in zip(rigs, (1, 1, 2, 3, 4), strict=True):
+        _, root = examined(rig)
+        assert len(laid_out) == count
+        titles = [each.text for each in root.iter(f"{SVG}title")]
+        assert any(text.endswith(f"k = {5 if rig is rigs[1] else 4} kN·m/rad") for text in titles) or rig is rigs[3]
+
+
+def line(stiffness="4 kN*m/rad", inertia="2 kg*m^2", damping=None, name="end"):
+    """So many discs that they are drawn without texts."""
+    count = arrangement.MOST_NAMED_NODES + 1
+    nodes = [*(f"n{k}" for k in range(count - 1)), name]
+    loss = {} if damping is None else {"damping": damping}
+    return tn.Drivetrain(
+        "line",
+        [
+            *(tn.Inertia(f"disc{k}", node=node, inertia=1) for k, node in enumerate(nodes[:-1])),
+            tn.Inertia("wheel", node=name, inertia=inertia),
+            *(tn.Spring(f"shaft{k}", nodes=pair, stiffness="7 kN*m/rad") for k, pair in enumerate(pairwise(nodes[1:]))),
+            tn.Spring("first", nodes=tuple(nodes[:2]), stiffness=stiffness, **loss),
+        ],
+    )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
+from functools import lru_cache
 from typing import Any, Protocol, TypeAlias, cast
 
 PLACEHOLDER = re.compile(r"\{(\w+)\}")
@@ -45,8 +46,9 @@ class Phrase(str):
     template: str
     values: Mapping[str, Inserted]
 
-    def __new__(cls, template: str, values: Mapping[str, Inserted]) -> Phrase:
-        self = super().__new__(cls, PLACEHOLDER.sub(lambda place: str(values[place[1]]), template))
+    def __new__(cls, template: str, values: Mapping[str, Inserted], text: str | None = None) -> Phrase:
+        text = PLACEHOLDER.sub(lambda place: str(values[place[1]]), template) if text is None else text
+        self = super().__new__(cls, text)
         self.template, self.values = template, values
         return self
 
@@ -71,6 +73,11 @@ def in_names(text: Inserted, own: Callable[[str], str]) -> str:
     return cast("WithNames", text).in_names(own) if hasattr(text, "in_names") else str(text)
 
 
+@lru_cache(maxsize=1024)
+def _split(template: str) -> list[str]:
+    return FORMATTED.split(template)
+
+
 def phrase(template: str, /, *ordered: Any, **named: Any) -> str:
     """Phrase of a template and what is inserted at its places, which may have formats, as those of ``str.format``.
 
@@ -81,15 +88,17 @@ def phrase(template: str, /, *ordered: Any, **named: Any) -> str:
     values = {**{str(number): value for number, value in enumerate(ordered)}, **named}
     inserted: dict[str, Inserted] = {}
     # Texts, names of places and formats in turn; places without a name are counted from 0.
-    text, *pieces = FORMATTED.split(template)
+    plain, *pieces = _split(template)
+    text = plain
     for name, form, behind in zip(pieces[::3], pieces[1::3], pieces[2::3], strict=True):
         place = name or str(len(inserted))
         value = values[place]
         # Texts stay as they are, so that phrases among them keep their templates.
         keeps = isinstance(value, str) or hasattr(value, "in_names")
         inserted[place] = value if keeps else format(value, form or "")
-        text += f"{{{place}}}{behind}"
-    return Phrase(text, inserted)
+        plain += f"{{{place}}}{behind}"
+        text += f"{inserted[place]}{behind}"
+    return Phrase(plain, inserted, text)
 
 
 def joined(separator: str, texts: Iterable[str]) -> str:
@@ -99,7 +108,7 @@ def joined(separator: str, texts: Iterable[str]) -> str:
     {'text0': 'mode 3', 'text1': 'shaft'}
     """
     values = {f"text{number}": text for number, text in enumerate(texts)}
-    return Phrase(separator.join(f"{{{place}}}" for place in values), values)
+    return Phrase(separator.join(f"{{{place}}}" for place in values), values, separator.join(values.values()))
 
 
 def with_values(text: str, changed: Callable[[str], str]) -> str:

@@ -24,6 +24,7 @@ from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.machinery.orders.refined_response import is_periodic
 from torsionnet.machinery.orders.worst_response import WorstResponse
 from torsionnet.machinery.verdicts.limit_verdict import FAIL, LimitVerdict
+from torsionnet.machinery.verdicts.speed_spans import SpeedSpan
 from torsionnet.model.channels import Sensor, named_sensor
 from torsionnet.model.elements import Values
 
@@ -186,8 +187,8 @@ FEW_SPEEDS = 25
 """Number of speeds at which limits of a model with many cases of excitation are asked, to draw their curves alone."""
 ROUGH_ENDS = "ends of barred ranges are found at the speeds of the plot; torsionnet limits finds them between these"
 """Note on barred ranges of the page, which are not refined as those of the command are."""
-CURVES_ALONE = "torsionnet limits finds the ranges to be barred, in each case of excitation"
-"""Note on limits of a model with many cases of excitation, whose barred ranges would take the page too long."""
+CURVES_ALONE = "ranges to be barred follow once nothing moves"
+"""Note on limits of a model with several cases of excitation, whose barred ranges would hold up a slider."""
 
 
 def speed_limits(rig: Drivetrain, run: OrderResponse, *, rough: bool = False) -> dict[str, Any]:
@@ -195,14 +196,14 @@ def speed_limits(rig: Drivetrain, run: OrderResponse, *, rough: bool = False) ->
 
     Allowed values are in the SI unit of the output: of a limit of stress, the torque that causes that stress. Ranges
     are barred by the limits of any output: a machine passes through all of them. No speeds are added to those of the
-    run. With several cases of excitation there are curves and no ranges.
+    run. With several cases of excitation a range is of the worst case at each speed, and named after the worst of all.
 
     Parameters
     ----------
     rig : Drivetrain
     run : OrderResponse
     rough : bool
-        Only the limits of the first output.
+        Only the limits of the first output, with several cases of excitation their curves alone.
     """
     subject, active = _active_limits(rig)
     output = run.outputs[0].name
@@ -212,15 +213,16 @@ def speed_limits(rig: Drivetrain, run: OrderResponse, *, rough: bool = False) ->
         for name, limit in active.items()
         if _factor(shown, limit.order_sensors(subject), 1.0, subject) is not None
     }
-    cheap = isinstance(run, WorstResponse)
-    asked = concerned if rough or cheap else active
+    cheap = rough and isinstance(run, WorstResponse)
+    asked = concerned if rough else active
     if not asked:
         return {"limits": [], "barred": [], "limit_notes": []}
     speeds = _few(run.speeds, concerned.values(), subject) if cheap else run.speeds
     try:
-        every = rig.check_limits(list(asked), speeds=speeds, refine=False).verdicts
+        check = rig.check_limits(list(asked), speeds=speeds, refine=False)
     except UsageError as error:
         return {"limits": [], "barred": [], "limit_notes": [str(error)]}
+    every = check.verdicts
     verdicts = [verdict for verdict in every if verdict.limit in concerned]
     curves = [
         {"name": _name(verdict), "allowed": json_numbers(np.interp(run.speeds, speeds, verdict.allowed / factor)),
@@ -233,11 +235,25 @@ def speed_limits(rig: Drivetrain, run: OrderResponse, *, rough: bool = False) ->
     if cheap:
         return {"limits": curves, "barred": [], "limit_notes": [CURVES_ALONE, *also]}
     barred = [
-        {"name": _name(verdict), "from": span.low * RPM, "to": span.high * RPM}
+        {
+            "name": _name(verdict),
+            "case": _case(verdict, span, check.cases),
+            "from": span.low * RPM,
+            "to": span.high * RPM,
+        }
         for verdict in every
         for span in verdict.barred
     ]
     return {"limits": curves, "barred": barred, "limit_notes": [*_failures(every), *[ROUGH_ENDS][: len(barred)], *also]}
+
+
+def _case(verdict: LimitVerdict, span: SpeedSpan, cases: Sequence[str]) -> str:
+    """Name of the case of excitation that uses most of the value allowed in a barred range, empty of a single one."""
+    if verdict.amplitudes is None or not cases:
+        return ""
+    inside = np.array([span.holds(speed) for speed in verdict.speeds])
+    used = np.where(inside, np.nan_to_num(verdict.values / verdict.allowed, nan=-1.0), -np.inf)
+    return cases[int(verdict.amplitudes.cases[int(np.argmax(used))])]
 
 
 def _active_limits(rig: Drivetrain) -> tuple[LimitSubject, dict[str, Limit]]:

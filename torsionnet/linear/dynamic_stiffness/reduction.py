@@ -229,9 +229,10 @@ def first_order(
     part = split(system, spaces, damping, E_1.T @ Y)
     forces = Y.T @ E_x - part.cross
     # Y^T Y = I for real springs; loss factors make Y complex, and its basis is not orthonormal under the transpose.
-    gram_inverse = np.linalg.inv(Y.T @ Y) if np.iscomplexobj(Y) else np.eye(Y.shape[1])
-    coupling = gram_inverse @ forces if np.iscomplexobj(Y) else forces
-    matrix = np.block([[-part.drag, -forces.T], [coupling, -gram_inverse @ part.yielding]])
+    coupling, yielding = forces, part.yielding
+    if np.iscomplexobj(Y):
+        coupling, yielding = (np.linalg.inv(Y.T @ Y) @ block for block in (coupling, yielding))
+    matrix = np.block([[-part.drag, -forces.T], [coupling, -yielding]])
     recover = _recover(spaces, E, E_2, -part.followed)
     size = part.size + _norm(E_x) + _norm(matrix)
     return FirstOrder(np.asarray(matrix), np.asarray(coupling), spaces, recover, size)

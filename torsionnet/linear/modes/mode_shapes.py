@@ -54,6 +54,7 @@ def describe(
     """
     sentences = []
     links = Links.of(assembly)
+    crossings = links.vibration_nodes(solution.vectors)
     for index, kind in enumerate(solution.kinds):
         if kind == "rigid body":
             sentences.append(_rigid_rotation_words(assembly, shapes[:, index]))
@@ -64,8 +65,7 @@ def describe(
             value = solution.eigenvalues[index]
             sentences.append(_decaying(fall, value, elements, strain[:, index], dissipated[:, index]))
         else:
-            crossings = links.vibration_nodes(solution.vectors[:, index])
-            sentences.append(_vibration(elements, strain[:, index], crossings))
+            sentences.append(_vibration(elements, strain[:, index], crossings[index]))
     return tuple(sentences)
 
 
@@ -112,8 +112,9 @@ def _rigid_rotation_words(assembly: Assembly, shape: ComplexArray) -> str:
 
 
 def _leading(elements: tuple[str, ...], shares: FloatArray) -> str:
-    largest = np.argsort(-np.round(shares, 9), kind="stable")[:3]  # the first of equal shares
-    order = [index for index in largest if shares[index] >= LEAST_SHARE] or list(largest[:1])
+    even = np.round(shares, 9)  # the first of equal shares
+    large = np.flatnonzero(shares >= LEAST_SHARE)
+    order = large[np.argsort(-even[large], kind="stable")[:3]].tolist() or [int(even.argmax())]
     return joined(
         ", ",
         (
@@ -185,33 +186,37 @@ class Links:
         waves = any(table.is_continuous for _, table in assembly.system.dynamic)
         return cls(names, inside, ends, factors * [1.0, -1.0], wide=len(pairs) < len(elastic) or waves)
 
-    def vibration_nodes(self, motion: ComplexArray) -> list[str] | None:
-        """Vibration nodes of a motion (n_q,) in words, ``in shaft``, or ``at wheel`` where a wheel stands still.
+    def vibration_nodes(self, motions: ComplexArray) -> list[list[str] | None]:
+        """Vibration nodes of motions (n_q, n) in words, ``in shaft``, or ``at wheel`` where a wheel stands still.
 
         Angles at both ends of an elastic element are compared over its ratio, after a complex shape was rotated to its
         main phase. None where they cannot be counted: an element ties three coordinates, or is a continuous shaft.
         """
         if self.wide:
-            return None
+            return [None] * motions.shape[1]
         # A complex shape is turned to the phase in which the sum of its squares is real.
-        angle = (motion * np.exp(-0.5j * np.angle(np.sum(motion**2)))).real
-        angle = np.where(np.abs(angle) > ROUNDED_ANGLE * np.abs(angle).max(initial=0.0), angle, 0.0)
-        sides = self.factors * angle[self.ends]
-        size = np.abs(sides)
-        crossing = (sides[:, 0] * sides[:, 1] < 0) & (size.min(axis=1) > STILL_NODE * size.max(axis=1))
-        # Parallel elements between two coordinates have one vibration node together.
-        crossings: dict[frozenset[int], str] = {}
-        for number in np.flatnonzero(crossing):
-            crossings.setdefault(frozenset(self.ends[number].tolist()), self.inside[number])
+        angle = (motions * np.exp(-0.5j * np.angle(np.sum(motions**2, axis=0)))).real
+        angle = np.where(np.abs(angle) > ROUNDED_ANGLE * np.abs(angle).max(axis=0, initial=0.0), angle, 0.0)
+        first, second = (self.factors[:, end, None] * angle[self.ends[:, end]] for end in (0, 1))
+        size = np.abs(first), np.abs(second)
+        crossing = (first * second < 0) & (np.minimum(*size) > STILL_NODE * np.maximum(*size))
         # A coordinate that stands still is a node if parts on both sides of it turn in opposite directions.
-        low, high = np.zeros(len(angle)), np.zeros(len(angle))
-        np.minimum.at(low, self.ends, sides[:, ::-1] / self.factors)
-        np.maximum.at(high, self.ends, sides[:, ::-1] / self.factors)
+        low, high = np.zeros_like(angle), np.zeros_like(angle)
+        for end, other in ((0, second), (1, first)):
+            beyond = other / self.factors[:, end, None]
+            np.minimum.at(low, self.ends[:, end], beyond)
+            np.maximum.at(high, self.ends[:, end], beyond)
         rests = (low < 0) & (high > 0) & (np.abs(angle) <= STILL_NODE * np.minimum(-low, high))
-        return [
-            *crossings.values(),
-            *(phrase("at {node}", node=ModelName(self.names[node])) for node in np.flatnonzero(rests)),
-        ]
+        between = list(map(frozenset, self.ends.tolist()))
+        found: list[list[str] | None] = []
+        for crosses, rest in zip(crossing.T, rests.T, strict=True):
+            # Parallel elements between two coordinates have one vibration node together.
+            inside: dict[frozenset[int], str] = {}
+            for number in np.flatnonzero(crosses).tolist():
+                inside.setdefault(between[number], self.inside[number])
+            still = (phrase("at {node}", node=ModelName(self.names[node])) for node in np.flatnonzero(rest).tolist())
+            found.append([*inside.values(), *still])
+        return found
 
 
 EQUAL_EIGENVALUES = 1e-9
@@ -258,6 +263,9 @@ def _named(solution: EigenSolution, group: Sequence[int]) -> str:
 
 def _groups(solution: EigenSolution) -> Iterator[list[int]]:
     values, taken = solution.eigenvalues, set[int]()
+    sizes = np.sort(np.abs(values))
+    if not np.any(np.diff(sizes) <= EQUAL_EIGENVALUES * sizes[1:]):
+        return
     for first in range(len(values)):
         if first in taken or solution.kinds[first] == RIGID:
             continue

@@ -37,7 +37,7 @@ class Spectrum:
     ----------
     values : (n,) complex array
         Nonzero eigenvalues lambda in rad/s, conjugates included; of an undamped system only those with Im > 0.
-    shapes : (n_q, n) complex array
+    shapes : (n_q, n) array
         Displacement shapes in q, any scale.
     errors : (n,) array
         Estimated relative error of each eigenvalue.
@@ -46,7 +46,7 @@ class Spectrum:
     """
 
     values: ComplexArray
-    shapes: ComplexArray
+    shapes: AnyArray
     errors: FloatArray
     undamped: bool
     system: RowSystem
@@ -113,22 +113,23 @@ def solve_spectrum(system: RowSystem, spaces: Subspaces, stiffness: AnyArray, *,
     damping = np.zeros_like(system.damping) if undamped else system.damping
     form = first_order(system, spaces, stiffness, damping)
     # Undamped, A = [[0, -F^T], [F, 0]]: its eigenvalues are +-j times the singular values of F, each to its last digit.
-    values, states, condition = _singular(form) if undamped else _standard(form)
+    values, shapes, condition = _singular(form) if undamped else _standard(form)
     # First-order perturbation |d lambda| <= cond(lambda) ||dA||, with dA a few roundings of the largest entries.
     safety = 4.0 if not (spaces.damped.size or spaces.held.size) else 100.0
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         errors = safety * _EPS * form.size * condition / np.abs(values)
     errors = np.where(np.isfinite(errors), errors, np.inf)
-    return Spectrum(values, form.recover @ states, errors, undamped, system, spaces, stiffness)
+    return Spectrum(values, shapes, errors, undamped, system, spaces, stiffness)
 
 
-def _singular(form: FirstOrder) -> tuple[ComplexArray, ComplexArray, FloatArray]:
+def _singular(form: FirstOrder) -> tuple[ComplexArray, AnyArray, FloatArray]:
+    """Eigenvalues (n,) in rad/s, shapes (n_q, n), real for real stiffness, and condition numbers of the eigenvalues."""
     _, sigma, vt = np.linalg.svd(form.coupling, full_matrices=False)
-    forces = np.zeros((len(form.matrix) - len(sigma), len(sigma)))
-    return 1j * sigma, np.vstack([vt.T, forces]).astype(complex), np.ones(len(sigma))
+    return 1j * sigma, form.recover[:, : vt.shape[1]] @ vt.T, np.ones(len(sigma))
 
 
 def _standard(form: FirstOrder) -> tuple[ComplexArray, ComplexArray, FloatArray]:
+    """Eigenvalues (n,) in rad/s, shapes (n_q, n) and condition numbers of the eigenvalues."""
     values, states = np.linalg.eig(form.matrix)
     basis, upper = states, np.flatnonzero(values.imag > 0)
     if np.isrealobj(form.matrix):  # conjugates are neighbours: their plane has a real basis, the two parts of a shape
@@ -140,7 +141,15 @@ def _standard(form: FirstOrder) -> tuple[ComplexArray, ComplexArray, FloatArray]
         condition = np.full(len(values), np.inf)
     if basis is not states:  # the row to x + jy is that to x less j times that to y, halved
         condition[upper] = condition[upper + 1] = np.hypot(condition[upper], condition[upper + 1]) / 2
-    return values.astype(complex), states.astype(complex), condition
+    return values.astype(complex), _real_times(form.recover, states), condition
+
+
+def _real_times(matrix: AnyArray, vectors: AnyArray) -> ComplexArray:
+    """Product of a matrix, mostly real, with complex vectors, whose parts are then columns of one real product."""
+    vectors = np.ascontiguousarray(vectors, dtype=complex)
+    if np.iscomplexobj(matrix):
+        return np.asarray(matrix @ vectors)
+    return np.asarray((matrix @ vectors.view(float)).view(complex))
 
 
 def refined_spectrum(spectrum: Spectrum, wanted: NDArray[np.bool_] | None = None) -> Spectrum:
@@ -170,7 +179,7 @@ def refined_spectrum(spectrum: Spectrum, wanted: NDArray[np.bool_] | None = None
     errors = np.where(chosen, ehrlich_aberth.CONVERGED, spectrum.errors)
     if not (done and (squared or np.iscomplexobj(spectrum.stiffness) or not np.all(wanted) or has_pairs(values))):
         return spectrum
-    shapes = spectrum.shapes.copy()
+    shapes = spectrum.shapes.astype(complex)
     for j in np.flatnonzero(chosen | blurred)[:limit]:
         shapes[:, j] = ehrlich_aberth.refine_vector(p, roots[j], shapes[:, j])
     return replace(spectrum, values=values, shapes=shapes, errors=errors)
@@ -184,7 +193,7 @@ def _with_isolated_roots(
 
     starts, _ = _polynomial_problem(spectrum)
     space = isolation_radii(starts, spectrum.errors)
-    values, shapes, errors = spectrum.values.copy(), spectrum.shapes.copy(), spectrum.errors.copy()
+    values, shapes, errors = spectrum.values.copy(), spectrum.shapes.astype(complex), spectrum.errors.copy()
     settled = np.zeros(len(starts), dtype=bool)
     # With real coefficients the root below the real axis is the conjugate of the one just before it.
     conjugates = not (spectrum.undamped or np.iscomplexobj(spectrum.stiffness))
@@ -233,7 +242,7 @@ def _residuals(spectrum: Spectrum, z: AnyArray, coefficients: list[AnyArray]) ->
     powers = [z**d for d in range(len(coefficients))]
     laws = sum(np.multiply.outer(c, power) for c, power in zip(coefficients, powers, strict=True))
     terms = sum(np.multiply.outer(np.abs(c), np.abs(power)) for c, power in zip(coefficients, powers, strict=True))
-    left = np.linalg.norm(rows.T @ (laws * (rows @ shapes)), axis=0)
+    left = np.linalg.norm(_real_times(rows.T, laws * _real_times(rows, shapes)), axis=0)
     scale = np.linalg.norm(sizes.T @ (terms * (sizes @ np.abs(shapes))), axis=0)
     return np.asarray((left / np.where(scale > 0, scale, 1.0))[np.cumsum(~second) - 1])
 

@@ -366,7 +366,7 @@ def _row(
 ) -> CountedVibration:
     assembly = drivetrain.assembly
     places = [assembly.node_index[name] for name in assembly.kinematics.coordinates]
-    nodes = links.vibration_nodes(np.asarray(mode.shape[places], dtype=complex))
+    (nodes,) = links.vibration_nodes(np.asarray(mode.shape[places], dtype=complex)[:, None])
     return CountedVibration(
         mode.number, mode.undamped_frequency, mode.natural_frequency, mode.damping_ratio,
         None if nodes is None else len(nodes), tuple(nodes or ()), _against(drivetrain, senses, mode),

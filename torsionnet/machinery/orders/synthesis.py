@@ -127,31 +127,76 @@ def cycle_extremes(amplitudes: ComplexArray, periods: Sequence[int]) -> FloatArr
 
 def _of_part(amplitudes: ComplexArray, counts: NDArray[np.int64]) -> FloatArray:
     """Highest and lowest values (2, n_speeds, n_out) of waves in the unit of their amplitudes (n_speeds, n_out, n)."""
+    steps, families = _families(counts)
+    waves = [_periods(amplitudes[:, :, lines], counts[lines], steps) for lines in families]
+    # |x''| <= sum |X_l| c_l^2 bounds the rise between two points h apart by h^2/8 of it.
+    rise = (2 * np.pi / steps) ** 2 / 8 * (np.abs(amplitudes) * np.square(counts)).sum(axis=2)
+    highest = _highest(waves, steps, rise, amplitudes, counts)
+    # The lowest value is that of -x, turned; the waves are negated in place since they are needed no more.
+    turned = [np.negative(wave, out=wave) for wave in waves]
+    return np.array([highest, -_highest(turned, steps, rise, -amplitudes, counts)])
+
+
+def _families(counts: NDArray[np.int64]) -> tuple[int, list[NDArray[np.bool_]]]:
+    """Number of points of the coarse grid over a cycle, and masks (n,) of the counts in one family, or in two.
+
+    Families with g_1 and g_2 repetitions in a cycle, without a common factor, have g_2 and g_1 points in one of g_1 g_2
+    steps, and each point of the one meets each of the other once (Chinese remainder theorem). So a few points tell
+    what all points of the cycle would, as of orders of an engine and of teeth that mesh.
+    """
+    first = counts % counts[0] == 0 if counts[0] else np.ones(len(counts), dtype=bool)
+    if not first.all():
+        g_1, g_2 = int(counts[0]), int(np.gcd.reduce(counts[~first]))
+        least = COARSE_POINTS_PER_PERIOD * int(counts[-1])
+        if math.gcd(g_1, g_2) == 1 and g_1 * g_2 >= least:
+            return g_1 * g_2, [first, ~first]
+    return max(COARSE_POINTS_PER_PERIOD * int(counts[-1]), 1), [np.ones(len(counts), dtype=bool)]
+
+
+def _periods(amplitudes: ComplexArray, counts: NDArray[np.int64], steps: int) -> FloatArray:
+    """Waveforms (n_speeds, n_out, n) in the unit of their amplitudes over one repetition, at so many steps a cycle."""
+    common = max(1, math.gcd(*counts.tolist()))
+    counts = counts // common
     spectrum = np.zeros((len(amplitudes), int(counts[-1]) + 1, amplitudes.shape[1]), dtype=complex)
     spectrum[:, counts] = amplitudes.transpose(0, 2, 1)
-    waves = waveforms(spectrum, max(COARSE_POINTS_PER_PERIOD * int(counts[-1]), 1))
-    # |x''| <= sum |X_l| c_l^2 bounds the rise between two points h apart by h^2/8 of it.
-    rise = (2 * np.pi / waves.shape[2]) ** 2 / 8 * (np.abs(amplitudes) * np.square(counts)).sum(axis=2)
-    highest = _highest(waves, rise, amplitudes, counts)
-    # The lowest value is that of -x, turned; the waves are negated in place since they are needed no more.
-    return np.array([highest, -_highest(np.negative(waves, out=waves), rise, -amplitudes, counts)])
+    return waveforms(spectrum, steps // common)
 
 
-def _highest(waves: FloatArray, rise: FloatArray, amplitudes: ComplexArray, counts: NDArray[np.int64]) -> FloatArray:
-    highest: FloatArray = waves.max(axis=2)
-    n = waves.shape[2]
+def _highest(
+    waves: Sequence[FloatArray], steps: int, rise: FloatArray, amplitudes: ComplexArray, counts: NDArray[np.int64]
+) -> FloatArray:
+    """Highest values (n_speeds, n_out) of sums of one or two families of waves, refined from the coarse grid."""
+    highest: FloatArray = np.sum([wave.max(axis=2) for wave in waves], axis=0)
     # Only a point within that rise of the highest one can have the true maximum beside it. Waves without a rise, as
     # outputs that nothing excites, are flat, and every point of theirs is as high.
-    flat = np.flatnonzero(waves >= np.where(rise > 0, highest - rise, np.inf)[:, :, None])
-    first, points, every = flat // n * n, flat % n, waves.reshape(-1)
-    is_crest = every[flat] >= np.maximum(every[first + (points - 1) % n], every[first + (points + 1) % n])
-    rows, points = flat[is_crest] // n, points[is_crest]
+    rows, points = _near_highest(waves[0], rise)
+    values = [wave.reshape(-1, wave.shape[2]) for wave in waves]
+    around = [values[0][rows, (points + step) % values[0].shape[1]] for step in (-1, 0, 1)]
+    if len(waves) > 1:
+        # All pairs of points of the two families at each speed, and the step of the cycle at which both meet.
+        others, met = _near_highest(waves[1], rise)
+        count = np.bincount(others, minlength=rise.size)
+        own = np.repeat(np.arange(len(rows)), count[rows])
+        place = np.arange(len(own)) - np.repeat(np.cumsum(count[rows]) - count[rows], count[rows])
+        met = met[(np.cumsum(count) - count)[rows[own]] + place]
+        rows, points, around = rows[own], points[own], [each[own] for each in around]
+        n_1, n_2 = (part.shape[1] for part in values)
+        around = [each + values[1][rows, (met + step) % n_2] for each, step in zip(around, (-1, 0, 1), strict=True)]
+        points = (points * n_2 * pow(n_2, -1, n_1) + met * n_1 * pow(n_1, -1, n_2)) % steps
+    is_crest = (around[1] >= np.maximum(around[0], around[2])) & (around[1] >= (highest - rise).reshape(-1)[rows])
+    rows, points, n = rows[is_crest], points[is_crest], steps
     tops, each = highest.reshape(-1), amplitudes.reshape(-1, len(counts))
     for start in range(0, len(points), MOST_MAXIMA):
         part = slice(start, start + MOST_MAXIMA)
         angles = points[part] * (2 * np.pi / n)
         np.maximum.at(tops, rows[part], _tops(each[rows[part]], counts, angles, 2 * np.pi / n))
     return highest
+
+
+def _near_highest(waves: FloatArray, rise: FloatArray) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Rows and points of waves (n_speeds, n_out, n) that lie within a rise of the highest point, row by row."""
+    flat = np.flatnonzero(waves >= np.where(rise > 0, waves.max(axis=2) - rise, np.inf)[:, :, None])
+    return flat // waves.shape[2], flat % waves.shape[2]
 
 
 def _tops(amplitudes: ComplexArray, counts: NDArray[np.int64], start: FloatArray, step: float) -> FloatArray:

@@ -10,14 +10,20 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
+from dataclasses import fields
 from itertools import pairwise, zip_longest
+from threading import Lock
 from typing import TYPE_CHECKING
 
 from torsionnet.base.errors import UsageError
+from torsionnet.base.registers import RecentResults
+from torsionnet.model.elements import Element
+from torsionnet.plot.drawing.labels import value_lines
 from torsionnet.plot.drawing.pieces import LEADING, ROLES, Box, Label, Piece, Stroke, text_width
 from torsionnet.plot.schematics.branch_lines import UP_IF, Branch, BranchStart
-from torsionnet.plot.schematics.drawing_plan import MOST_NAMED_NODES, DrawingPlan, make_plan
+from torsionnet.plot.schematics.drawing_plan import MOST_NAMED_NODES, DrawingPlan, disc_sizes, make_plan
+from torsionnet.plot.schematics.glyphs import inline_glyph
 from torsionnet.plot.schematics.line_routes import (
     BranchWidth,
     LineRoute,
@@ -56,6 +62,12 @@ is cut and goes on below: a larger value leads more of them above the line, out 
 INDENT = 26.0
 """Width in points by which the pieces of a cut shaft line that begins at gears are indented, clear of the wheels."""
 
+
+PLAIN = ("inertia", "spring", "damper")
+"""Kinds of elements of which only sizes of discs, symbols and texts follow from values."""
+BYTES_OF_STROKE = 1000
+"""Size in bytes of a stroke with its points, roughly."""
+_RECENT, _ARRANGING = RecentResults(), Lock()
 
 TIP, HALF, PAD = 5.0, 7.0, 10.0  # points: tip of a flag, half its height, room beside its text
 LONGEST_FLAG = 24
@@ -277,7 +289,40 @@ def page_width(width: float) -> float:
 
 
 def arranged_drawing(drivetrain: Drivetrain, page: float) -> Piece:
-    """Drawing of all connected parts of a drivetrain for a page width in points, with the wires that close loops."""
+    """Drawing of all connected parts of a drivetrain for a page width in points, with the wires that close loops.
+
+    It is kept for the next drivetrain of which all is drawn alike, as one with another stiffness.
+    """
+    with _ARRANGING:
+        return _RECENT.once(
+            Piece,
+            (page, _drawn_things(drivetrain)),
+            lambda: _arranged(drivetrain, page),
+            lambda whole: BYTES_OF_STROKE * len(whole.strokes),
+        )
+
+
+def _drawn_things(drivetrain: Drivetrain) -> Hashable:
+    """Everything of a drivetrain that its schematic is drawn from: names, symbols, sizes, and texts where shown."""
+    values, named = drivetrain.exact_values, len(drivetrain.nodes) <= MOST_NAMED_NODES
+    discs = disc_sizes(drivetrain, 1.0)
+    elements, is_plain = [], True
+    for element in drivetrain.elements.values():
+        drawn = discs[element.name] if element.name in discs else inline_glyph(element, values)
+        texts = tuple(value_lines(element, values)) if named else ()
+        elements.append((element.kind, element.name, element.description, tuple(element.ports.items()), drawn, texts))
+        is_plain &= element.kind in PLAIN
+    # Wheels, sets of planets and words on states follow from any of the entries.
+    rest = () if is_plain else (tuple(values.items()), tuple(map(_entries, drivetrain.elements.values())))
+    channels = (tuple(drivetrain.inputs.items()), tuple(drivetrain.sensors.items()))
+    return drivetrain.nodes, tuple(elements), repr(channels), rest
+
+
+def _entries(element: Element) -> str:
+    return repr([(entry.name, getattr(element, entry.name)) for entry in fields(element)])
+
+
+def _arranged(drivetrain: Drivetrain, page: float) -> Piece:
     parts = []
     for bands in layout_bands(drivetrain, page):
         part = _packed(bands, page)

@@ -144,7 +144,7 @@ function summary({ orders }, state) {
   for (const { name, magnitude } of orders.orders) parts.push(`${name}, at most ${said(largest(orders.rpm, magnitude))}`);
   for (const { name, allowed } of orders.limits) if (known(allowed).length) parts.push(`${limitName(name)} ${between(orders, allowed, state)} ${words}`);
   for (const [from, to] of joined(orders.barred)) {
-    const by = orders.barred.filter((one) => from <= one.from && one.to <= to).map(({ name }) => limitName(name));
+    const by = orders.barred.filter((one) => from <= one.from && one.to <= to).map(({ name, case: worst }) => limitName(name) + (worst && `, ${worst}`));
     parts.push(`barred from ${short(from)} to ${short(to)} r/min (${[...new Set(by)].join(", ")})`);
   }
   return `${orders.output}: ${parts.join("; ")}.`;
