@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.editor_pages import README_MODEL, Writing, serving_text, writing_on
+from support.editor_pages import README_MODEL, Writing, ready, serving_text, writing_on
 from support.explore_pages import Visit
 
 import torsionnet as tn
@@ -160,6 +160,50 @@ def test_everything_is_undone(writing):
     assert not writing.is_title_marked()
     writing.keys.press("Control+y")
     assert "26.6" in writing.checked().text
+
+
+@pytest.mark.slow
+def test_no_character_is_lost_while_results_arrive(writing, file):
+    """Keys without a pause, a slider dragged meanwhile, undo across Save, another writer, and a reload."""
+    page, keys = writing.page, writing.keys
+    digits = "31415926535897932384"
+    writing.go_to("13.3")
+    keys.type("13.3" + digits, delay=8)
+    assert writing.checked().text == README_MODEL.replace("13.3", "13.3" + digits)
+    for _ in digits:
+        keys.press("Backspace")
+    assert writing.checked().text == README_MODEL
+    box = page.locator(".parameter .slider").first.bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    writing.focus()
+    keys.press("Control+End")
+    for k, key in enumerate("# 𝜋 dragged"):
+        page.mouse.move(x + 2 * k, y)
+        keys.insert_text(key)
+    page.mouse.up()
+    assert writing.checked().text == README_MODEL + "# 𝜋 dragged"
+    keys.press("Control+s")
+    writing.until(lambda: writing.said().startswith("Saved"), "the word about it")
+    stored = file.read_text(encoding="utf-8")
+    assert stored == README_MODEL + "# 𝜋 dragged"
+    for _ in range(40):
+        keys.press("Control+z")
+    assert writing.checked().text == README_MODEL
+    assert (writing.is_title_marked(), file.read_text(encoding="utf-8")) == (True, stored)
+    for _ in range(40):
+        keys.press("Control+y")
+    assert writing.checked().text == stored
+    keys.type(" mine")
+    file.write_text(stored + "# other\n", encoding="utf-8")
+    writing.until(lambda: page.locator(".bar").count() == 1, "the bar")
+    own = writing.text
+    assert own == stored + " mine"
+    page.reload()
+    ready(writing.found)
+    assert (writing.text, writing.is_title_marked()) == (own, True)
+    assert file.read_text(encoding="utf-8") == stored + "# other\n"
 
 
 @pytest.mark.slow

@@ -1,11 +1,14 @@
 """Results before all else on the explore page of a ship, by mouse and keys in headless Chromium, on one page."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from support.explore_pages import WIDE, kept_quiet, serving, visit
 
 import torsionnet as tn
 
+PLANTS = Path(__file__).parents[1] / "plants"
 SHIP = "marine_medium_speed"
 CONTRAST = """() => {
   const light = (c) => c.slice(0, 3).map((v) => v / 255).map((v) => (v <= 0.03928 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4))
@@ -41,6 +44,17 @@ NAMES = """() => {
   return names.filter((one, k) => names.indexOf(one) !== k);
 }"""
 BOXES = """(inner) => document.querySelector(inner).getBoundingClientRect().toJSON()"""
+COVERED = """() => {
+  const words = [...document.querySelectorAll("#schematic text:not([data-crowded])")];
+  const parts = [...document.querySelectorAll("#schematic .pen-part")];
+  const shared = (a, b) => Math.min(Math.min(a.right, b.right) - Math.max(a.left, b.left), Math.min(a.bottom - 3, b.bottom) - Math.max(a.top + 3, b.top));
+  const meet = (one, part) => one.closest("[id]") !== part.closest("[id]") && shared(one.getBoundingClientRect(), part.getBoundingClientRect()) > 2;
+  return words.filter((one) => parts.some((part) => meet(one, part))).map((one) => one.textContent);
+}"""
+"""Words of the schematic over symbols of other elements."""
+CUT = """() => [...document.querySelectorAll(".parameter > :is(.name, .unit)")]
+  .filter((one) => one.scrollWidth > one.clientWidth + 1).map((one) => one.textContent)"""
+"""Names and units of parameters that end in dots."""
 SIZES = """() => [...document.querySelectorAll("#schematic text:not([data-crowded]), #schematic text:not([data-crowded]) [font-size]")]
   .map((one) => parseFloat(getComputedStyle(one).fontSize) * one.ownerSVGElement.getScreenCTM().a)"""
 VIEW = """() => document.querySelector("#schematic svg").getAttribute("viewBox").split(" ").map(Number)"""
@@ -181,3 +195,16 @@ def test_words_can_be_read_and_nothing_sticks_out(ship):
     for pane in ("Text", "Schematic", "Results"):
         page.get_by_role("tab", name=pane, exact=True).click()
         assert page.evaluate("document.documentElement.scrollWidth") <= 320
+
+
+@pytest.mark.slow
+def test_words_of_a_branched_plant_cover_no_symbol_and_none_is_cut(chromium):
+    """Two engines on one gear: a drawing nearly as high as wide, for which a flat pane has to be small."""
+    with serving(PLANTS / "tug.yaml") as server, visit(chromium, server.address, viewport=WIDE) as found:
+        for width, height in ((1440, 900), (1024, 768)):
+            found.page.set_viewport_size({"width": width, "height": height})
+            found.settle()
+            found.until(lambda: found.page.evaluate(COVERED) == [], f"room for words at {width}")
+            assert found.page.locator("#schematic .text-node:not([data-crowded])").count() >= 3
+            assert found.page.evaluate(CUT) == []
+        assert kept_quiet(found, server)

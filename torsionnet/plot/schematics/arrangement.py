@@ -310,7 +310,8 @@ def _drawn_things(drivetrain: Drivetrain) -> Hashable:
     for element in drivetrain.elements.values():
         drawn = discs[element.name] if element.name in discs else inline_glyph(element, values)
         texts = tuple(value_lines(element, values)) if named else ()
-        elements.append((element.kind, element.name, element.description, tuple(element.ports.items()), drawn, texts))
+        what = (type(element), element.glyph, element.name, element.description)
+        elements.append((*what, tuple(element.ports.items()), drawn, texts))
         is_plain &= element.kind in PLAIN
     # Wheels, sets of planets and words on states follow from any of the entries.
     rest = () if is_plain else (tuple(values.items()), tuple(map(_entries, drivetrain.elements.values())))

@@ -10,6 +10,7 @@ const LARGEST = 6;
 const EDGE = 24; // pixels for words that reach beyond the first and the last symbol
 const STEP = 1.25; // factor of one zoom
 const PAN = 60; // pixels for an arrow key
+const TALL = 0.2; // height over width from which the height of the pane makes a drawing small
 const FEW = 4; // pixels that a click may move
 const FORBIDDEN = "script, foreignObject, style, a, image, iframe, animate, set";
 
@@ -33,6 +34,7 @@ export function makeSchematic(place, actions) {
       }
     }
     drawn = { svg, groups, nodes: found.nodes, elements: found.elements, at: null, box: bounds(svg) };
+    place.parentElement.classList.toggle("is-tall", drawn.box.height > TALL * drawn.box.width);
     groups.forEach((one, group) => prepare(group, one));
     svg.setAttribute("role", "graphics-document");
     svg.setAttribute("aria-label", "Schematic: arrow keys move along, Enter goes to the text, + - 0 zoom, Shift with arrows pans");
