@@ -53,7 +53,7 @@ COVERED = """() => {
 }"""
 """Words of the schematic over symbols of other elements."""
 CUT = """() => [...document.querySelectorAll(".parameter > :is(.name, .unit)")]
-  .filter((one) => one.scrollWidth > one.clientWidth + 1).map((one) => one.textContent)"""
+  .filter((one) => one.scrollWidth > one.clientWidth).map((one) => one.textContent)"""
 """Names and units of parameters that end in dots."""
 SIZES = """() => [...document.querySelectorAll("#schematic text:not([data-crowded]), #schematic text:not([data-crowded]) [font-size]")]
   .map((one) => parseFloat(getComputedStyle(one).fontSize) * one.ownerSVGElement.getScreenCTM().a)"""
