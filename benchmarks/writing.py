@@ -20,6 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
+import torsionnet as tn
 from benchmarks._sizes import sized
 
 ROOT = Path(__file__).parents[1]
@@ -137,6 +138,18 @@ def of_eigenvalues(nodes):
     return 1000 * (time.process_time() - began)
 
 
+def of_all_modes(nodes):
+    """Processor time in ms of all modes of a damped chain of so many nodes, with descriptions and shares."""
+    times = []
+    for text in itertools.islice(keystrokes(chain(nodes)), 5):
+        rig = tn.loads(text)
+        assert rig.assembly.system.n_coordinates == nodes  # made before the clock runs
+        began = time.process_time()
+        rig.modes()
+        times.append(1000 * (time.process_time() - began))
+    return statistics.median(times)
+
+
 def command(*words):
     """Time in ms of a command that tells the same, once for each saved file."""
     began = time.perf_counter()
@@ -158,6 +171,9 @@ def main():
             parts = ", ".join(f"{question} {took:.0f}" for question, took in times.items())
             ratio = f"{whole / alone:.3g} times eig of {2 * nodes} states ({alone:.0f} ms)"
             print(f"{path.stem}: {whole:.0f} ms of the processor a keystroke, {ratio}: {parts}")
+        nodes = sized(200, 50)
+        whole, alone = of_all_modes(nodes), statistics.median(of_eigenvalues(nodes) for _ in range(5))
+        print(f"all modes of {nodes} damped nodes: {whole:.0f} ms, {whole / alone:.3g} times eig of {2 * nodes} states")
         for (name, goals), path in zip(GOALS.items(), (ship, line), strict=True):
             times = measured(path)
             for what, goal, column in zip(WHAT, goals, zip(*times, strict=True), strict=True):
