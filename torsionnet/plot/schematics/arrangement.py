@@ -306,7 +306,8 @@ def _drawn_things(drivetrain: Drivetrain) -> Hashable:
     """Everything of a drivetrain that its schematic is drawn from: names, symbols, sizes, and texts where shown."""
     values, named = drivetrain.exact_values, len(drivetrain.nodes) <= MOST_NAMED_NODES
     discs = disc_sizes(drivetrain, 1.0)
-    elements, is_plain = [], True
+    elements: list[Hashable] = []
+    is_plain = True
     for element in drivetrain.elements.values():
         drawn = discs[element.name] if element.name in discs else inline_glyph(element, values)
         texts = tuple(value_lines(element, values)) if named else ()
