@@ -12,6 +12,7 @@ PLACEHOLDER = re.compile(r"\{(\w+)\}")
 
 FORMATTED = re.compile(r"\{(\w*)(?::([^{}]*))?\}")
 """Regular expression of a place that may have a format, such as ``{share:.3g}``, or no name."""
+_split = lru_cache(maxsize=1024)(FORMATTED.split)
 
 
 class ModelName(str):
@@ -71,11 +72,6 @@ class Phrase(str):
 def in_names(text: Inserted, own: Callable[[str], str]) -> str:
     """Text with other names of the model, where it keeps those that are in it."""
     return cast("WithNames", text).in_names(own) if hasattr(text, "in_names") else str(text)
-
-
-@lru_cache(maxsize=1024)
-def _split(template: str) -> list[str]:
-    return FORMATTED.split(template)
 
 
 def phrase(template: str, /, *ordered: Any, **named: Any) -> str:
