@@ -82,7 +82,7 @@ class Eigenpairs:
         count = len(kept)
         return cls(
             spectrum.values[kept],
-            spectrum.shapes[:, kept],
+            spectrum.shapes[:, kept].astype(complex),
             real,
             spectrum.errors[kept],
             np.ones(count, dtype=bool),

@@ -188,7 +188,7 @@ def _highest(
     tops, each = highest.reshape(-1), amplitudes.reshape(-1, len(counts))
     for start in range(0, len(points), MOST_MAXIMA):
         part = slice(start, start + MOST_MAXIMA)
-        angles = points[part] * (2 * np.pi / n)
+        angles = np.asarray(points[part] * (2 * np.pi / n), dtype=float)
         np.maximum.at(tops, rows[part], _tops(each[rows[part]], counts, angles, 2 * np.pi / n))
     return highest
 
