@@ -90,7 +90,7 @@ MOST_AT_ONCE, VECTOR = 256, 16
 """Most frequency points that the compiled loop works on at once, few enough for a thousand registers in the cache, and
 the number of which theirs is a multiple, for vector instructions."""
 
-LAW, LAW_SUM, CONSTANT, SUM = ops.LAW, ops.LAW_SUM, ops.CONSTANT, ops.SUM
+LAW, LAW_SUM, LAW_SHARE, CONSTANT, SUM = ops.LAW, ops.LAW_SUM, ops.LAW_SHARE, ops.CONSTANT, ops.SUM
 PRODUCT, QUOTIENT, INVERSE = ops.PRODUCT, ops.QUOTIENT, ops.INVERSE
 LEAST_SQUARE, MOST_SQUARE = 1e-290, 1e290
 """Squared magnitudes, least and most, within which the compiled loop divides by a measured reading, since beyond them
@@ -165,7 +165,7 @@ def _walk(
     """
     one = r.dtype.type(1.0)  # in the precision of the registers, as a number alone makes the division double
     for number in range(operations.shape[0]):
-        code, t, a, b = operations[number]
+        code, t, a, b, slot = operations[number]
         f = factors[number]
         if code == PRODUCT:  # (a + jb)(c + jd), on real and imaginary parts apart: complex numbers give no vector code
             for i in range(r.shape[2]):
@@ -179,29 +179,33 @@ def _walk(
                 real, imag = r[a, 0, i] + more, r[a, 1, i] + beside
                 r[t, 0, i] = real
                 r[t, 1, i] = imag
-        elif code in (LAW, LAW_SUM):  # kappa = k - J omega^2 + j c omega, and the sample of a table where there is one
-            k, J, c, at = stiffness[b], inertia[b], damping[b], place[b]
-            if code == LAW:
+        elif code in (LAW, LAW_SUM, LAW_SHARE):
+            # kappa = k - J omega^2 + j c omega, and the sample of a table where there is one
+            k, J, c, at = stiffness[slot], inertia[slot], damping[slot], place[slot]
+            if code == LAW_SUM:
+                for i in range(r.shape[2]):
+                    real = k - J * w2[i] + f * (r[a, 0, i] * r[b, 0, i] - r[a, 1, i] * r[b, 1, i])
+                    imag = c * w[i] + f * (r[a, 0, i] * r[b, 1, i] + r[a, 1, i] * r[b, 0, i])
+                    r[t, 0, i] = real
+                    r[t, 1, i] = imag
+            elif code == LAW or at >= 0:
                 for i in range(r.shape[2]):
                     r[t, 0, i] = k - J * w2[i]
                     r[t, 1, i] = c * w[i]
-            else:
-                for i in range(r.shape[2]):
-                    real, imag = k - J * w2[i] + f * r[a, 0, i], c * w[i] + f * r[a, 1, i]
-                    r[t, 0, i] = real
-                    r[t, 1, i] = imag
             if at >= 0:
                 for i in range(r.shape[2]):
                     value = sampled[at, first + min(i, n - 1)]
                     r[t, 0, i] += value.real
                     r[t, 1, i] += value.imag
-        elif code == QUOTIENT:  # r_a conj(b)/|b|^2, b = r_b + f r_a
+            if code == LAW_SHARE and at >= 0:
+                for i in range(r.shape[2]):
+                    r[t, 0, i], r[t, 1, i] = _share(r[t, 0, i], r[t, 1, i], r[a, 0, i], r[a, 1, i], f, one)
+            elif code == LAW_SHARE:
+                for i in range(r.shape[2]):
+                    r[t, 0, i], r[t, 1, i] = _share(k - J * w2[i], c * w[i], r[a, 0, i], r[a, 1, i], f, one)
+        elif code == QUOTIENT:
             for i in range(r.shape[2]):
-                c, d = r[b, 0, i] + f * r[a, 0, i], r[b, 1, i] + f * r[a, 1, i]
-                scale = one / (c * c + d * d)
-                real, imag = r[a, 0, i] * c + r[a, 1, i] * d, r[a, 1, i] * c - r[a, 0, i] * d
-                r[t, 0, i] = real * scale
-                r[t, 1, i] = imag * scale
+                r[t, 0, i], r[t, 1, i] = _share(r[a, 0, i], r[a, 1, i], r[b, 0, i], r[b, 1, i], f, one)
         elif code == INVERSE:
             for i in range(r.shape[2]):
                 scale = one / (r[a, 0, i] * r[a, 0, i] + r[a, 1, i] * r[a, 1, i])
@@ -216,6 +220,13 @@ def _walk(
             for i in range(r.shape[2]):
                 y[t, 0, i] = f * r[a, 0, i]
                 y[t, 1, i] = f * r[a, 1, i]
+
+
+def _sharing(a: Any, b: Any, c: Any, d: Any, f: Any, one: Any) -> tuple[Any, Any]:
+    """Real and imaginary part of a share u / S = u conj(S) / |S|^2 with u = a + jb and S = c + jd + f u."""
+    c, d = c + f * a, d + f * b
+    scale = one / (c * c + d * d)
+    return (a * c + b * d) * scale, (b * c - a * d) * scale
 
 
 def _sweeping(
@@ -325,5 +336,5 @@ def _reading(
 
 
 _jit = numba.njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"})
-_points, _start = _jit(_walk), _jit(_starting)
+_share, _points, _start = _jit(_sharing), _jit(_walk), _jit(_starting)
 _sweep, _read = _jit(_sweeping), _jit(_reading)

@@ -121,19 +121,20 @@ def run_tape(tape: Tape, kappa: Sequence[Any]) -> dict[int, Any]:
     r: list[Any] = [None] * tape.n_registers
     values: dict[int, Any] = {}
     # Each operation as the head of tape.py says, r_t from r_a and r_b.
-    for code, t, a, b, factor in tape.steps:
+    for code, t, a, b, slot, factor in tape.steps:
         if code == ops.LAW:
-            r[t] = kappa[b]
+            r[t] = kappa[slot]
         elif code == ops.LAW_SUM:
-            r[t] = _left([kappa[b], factor * r[a]])
+            r[t] = _left([kappa[slot], factor * r[a] * r[b]])
         elif code == ops.CONSTANT:
             r[t] = in_many_digits(0) + factor
         elif code == ops.SUM:
             r[t] = _left([r[a], factor * r[b]])
         elif code == ops.PRODUCT:
             r[t] = r[a] * r[b]
-        elif code in (ops.QUOTIENT, ops.INVERSE):
-            above, below = (r[a], _left([r[b], factor * r[a]])) if code == ops.QUOTIENT else (1, r[a])
+        elif code in (ops.LAW_SHARE, ops.QUOTIENT, ops.INVERSE):
+            above, rest = (kappa[slot], r[a]) if code == ops.LAW_SHARE else (r[a], r[b])
+            above, below = (1, r[a]) if code == ops.INVERSE else (above, _left([rest, factor * above]))
             if not below:
                 raise SolveError(
                     "the response at this frequency is lost in rounding errors; choose another frequency",

@@ -1,9 +1,11 @@
 """Operation tapes: simple operations on registers that carry out an elimination plan, in numpy or in a compiled loop.
 
-A register holds one number for every point. What an operation does with its target t, from registers a and b:
+A register holds one number for every point. What an operation does with its target t, from registers a and b and the
+dynamic stiffness kappa of a slot:
 
-    LAW       t = dynamic stiffness of slot b
-    LAW_SUM   t = dynamic stiffness of slot b + factor r_a
+    LAW       t = kappa
+    LAW_SUM   t = kappa + factor r_a r_b, where another row hands on its share
+    LAW_SHARE t = kappa / (r_a + factor kappa)
     CONSTANT  t = factor
     SUM       t = r_a + factor r_b
     PRODUCT   t = r_a r_b
@@ -35,19 +37,20 @@ from torsionnet.linear.assembly.law_stiffness import LawStiffness
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.linear.dynamic_stiffness.graph_plan import EliminationPlan, EliminationStep
 
-LAW, LAW_SUM, CONSTANT, SUM, PRODUCT, QUOTIENT, INVERSE, OUTPUT = range(8)
+LAW, LAW_SUM, LAW_SHARE, CONSTANT, SUM, PRODUCT, QUOTIENT, INVERSE, OUTPUT = range(9)
 """Codes of the operations on an elimination's tape, each with the meaning listed at the head of the module."""
-_READS = {LAW_SUM: 1, SUM: 2, PRODUCT: 2, QUOTIENT: 2, INVERSE: 1, OUTPUT: 1}
+_READS = {LAW_SUM: 2, LAW_SHARE: 1, SUM: 2, PRODUCT: 2, QUOTIENT: 2, INVERSE: 1, OUTPUT: 1}
 """Number of registers that an operation reads, by its code, where operations not listed read none."""
 
 
 class Operation(NamedTuple):
-    """Operation of an elimination, as code, target, two sources and a factor."""
+    """Operation of an elimination, as code, target, two sources, slot of a law and a factor."""
 
     code: int
     t: int
     a: int = 0
     b: int = 0
+    slot: int = 0
     factor: float = 1.0
 
     @property
@@ -57,7 +60,7 @@ class Operation(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Tape:
-    """Operations (n, 4) of an elimination with factors (n,), and the numbers of registers and output values."""
+    """Operations (n, 5) of an elimination with factors (n,), and the numbers of registers and output values."""
 
     operations: NDArray[np.int64]
     factors: NDArray[np.float64]
@@ -65,8 +68,8 @@ class Tape:
     n_values: int
 
     @cached_property
-    def steps(self) -> list[tuple[int, int, int, int, float]]:
-        """Operations as plain numbers: code, target, sources and factor."""
+    def steps(self) -> list[tuple[int, int, int, int, int, float]]:
+        """Operations as plain numbers: code, target, sources, slot and factor."""
         return list(zip(*self.operations.T.tolist(), self.factors.tolist(), strict=True))
 
 
@@ -87,9 +90,9 @@ class Writer:
     operations: list[Operation] = field(default_factory=list)
     n_names: int = 0
 
-    def new(self, code: int, a: int = 0, b: int = 0, factor: float = 1.0) -> int:
+    def new(self, code: int, a: int = 0, b: int = 0, slot: int = 0, factor: float = 1.0) -> int:
         """Append an operation of an elimination and return the number by which its result is named."""
-        self.operations.append(Operation(code, self.n_names, a, b, factor))
+        self.operations.append(Operation(code, self.n_names, a, b, slot, factor))
         self.n_names += 1
         return self.n_names - 1
 
@@ -104,7 +107,7 @@ class Writer:
         if known.name < 0 and term.name < 0:
             return TapeQuantity(-1, known.factor + term.factor)
         first, second = self.name(known), self.name(term)
-        return TapeQuantity(self.new(SUM, first, second, term.factor / known.factor), known.factor)
+        return TapeQuantity(self.new(SUM, first, second, factor=term.factor / known.factor), known.factor)
 
     def times(self, first: TapeQuantity, second: TapeQuantity) -> TapeQuantity:
         factor = first.factor * second.factor
@@ -116,13 +119,17 @@ class Writer:
         factor = above.factor / below.factor
         if above.name < 0:
             return TapeQuantity(self.new(INVERSE, self.name(below)), factor)
-        made = self.operations[self.name(below)]
-        if made.code == SUM and above.name in made.read:
-            # Share of a sum x + f y = f (y + x/f), which then need not be kept.
-            if above.name == made.b:
-                return TapeQuantity(self.new(QUOTIENT, above.name, made.a, made.factor), factor)
-            return TapeQuantity(self.new(QUOTIENT, above.name, made.b, 1 / made.factor), factor / made.factor)
-        return TapeQuantity(self.new(QUOTIENT, above.name, made.t, 0.0), factor)
+        part, whole = self.operations[above.name], self.operations[self.name(below)]
+        if whole.code != SUM or above.name not in whole.read:
+            return TapeQuantity(self.new(QUOTIENT, above.name, whole.t, factor=0.0), factor)
+        # Share of a sum x + f y = f (y + x/f), which then need not be kept, nor a law that is its part.
+        if above.name == whole.b:
+            rest, share = whole.a, whole.factor
+        else:
+            rest, share, factor = whole.b, 1 / whole.factor, factor / whole.factor
+        if part.code == LAW:
+            return TapeQuantity(self.new(LAW_SHARE, rest, slot=part.slot, factor=share), factor)
+        return TapeQuantity(self.new(QUOTIENT, above.name, rest, factor=share), factor)
 
     def tape(self, n_values: int) -> Tape:
         """Tape of the operations that the outputs of an elimination depend on, with registers for their results."""
@@ -149,9 +156,8 @@ class Writer:
                     n_registers += 1
                 target = home[operation.t] = free.pop()
             free += [home.pop(name) for name in dict.fromkeys(operation.read) if last[name] == place]
-            a, b = (*sources, operation.a, operation.b)[:2] if len(sources) != 1 else (sources[0], operation.b)
-            placed.append((operation.code, target, a, b))
-        operations = np.array(placed, dtype=np.int64).reshape(-1, 4)
+            placed.append((operation.code, target, *(*sources, 0, 0)[:2], operation.slot))
+        operations = np.array(placed, dtype=np.int64).reshape(-1, 5)
         return Tape(operations, np.array([operation.factor for operation in needed]), n_registers, n_values)
 
 
@@ -178,13 +184,13 @@ def make_tape(plan: EliminationPlan) -> Tape:
     >>> from torsionnet.linear.dynamic_stiffness.graph_plan import make_plan
     >>> tape = make_tape(make_plan([{0: 1.0}, {0: 1.0, 1: -1.0}], 2, [{1: 1.0}], [{}], [{1: 1.0}], ()))
     >>> len(tape.operations), tape.n_registers
-    (6, 3)
+    (5, 3)
     """
     n_read = len(plan.outputs) + len(plan.reactions)
     taping = (_Forward if n_read <= MOST_FORWARD_READINGS else _Back)(plan)
     for (reading, excitation), value in taping.read().items():
         number, name = reading * plan.n_excitations + excitation, taping.writer.name(value)
-        taping.writer.operations.append(Operation(OUTPUT, number, name, 0, value.factor))
+        taping.writer.operations.append(Operation(OUTPUT, number, name, factor=value.factor))
     return taping.writer.tape(n_read * plan.n_excitations)
 
 
@@ -221,12 +227,12 @@ class _Taping:
         """
         if slot in self.fresh:
             self.fresh.discard(slot)
-            if added is None:
-                name = self.writer.new(LAW, b=slot)
-            else:
-                name = self.writer.new(LAW_SUM, self.writer.name(added), slot, added.factor)
-            self.links[slot] = TapeQuantity(name, 1.0)
-        elif added is not None:
+            if added is not None and (made := self.writer.operations[added.name]).code == PRODUCT:
+                name = self.writer.new(LAW_SUM, made.a, made.b, slot, added.factor)
+                self.links[slot] = TapeQuantity(name, 1.0)
+                return self.links[slot]
+            self.links[slot] = TapeQuantity(self.writer.new(LAW, slot=slot), 1.0)
+        if added is not None:
             self.links[slot] = self.writer.plus(self.links.get(slot), added)
         return self.links[slot]
 
@@ -399,25 +405,30 @@ def sweep(tape: Tape, stiffness: LawStiffness) -> Array:
         np.multiply(omega, -omega, out=powers[1])
         s, squares = powers.view(omega.dtype)
         # Each operation as the head of the module says, r_t from r_a and r_b.
-        for code, t, a, b, factor in tape.steps:
+        for code, t, a, b, slot, factor in tape.steps:
             if code == PRODUCT:
                 np.multiply(r[a], r[b], out=r[t])
             elif code == SUM:
                 np.add(r[a], r[b] if factor == 1.0 else np.multiply(r[b], factor, out=spare), out=r[t])
-            elif code in (LAW, LAW_SUM):
-                _write(laws[b], omega, s, squares, slots[t], parts[t])
-                if code == LAW_SUM:
-                    np.add(r[t], r[a] if factor == 1.0 else np.multiply(r[a], factor, out=spare), out=r[t])
-            elif code == QUOTIENT:
-                below = r[b]
+            elif code == LAW:
+                _write(laws[slot], omega, s, squares, slots[t], parts[t])
+            elif code == LAW_SUM:
+                _write(laws[slot], omega, s, squares, slots[t], parts[t])
+                np.multiply(r[a], r[b], out=spare)
+                np.add(r[t], spare if factor == 1.0 else np.multiply(spare, factor, out=spare), out=r[t])
+            elif code in (LAW_SHARE, QUOTIENT):
+                above, below = r[a], r[b]
+                if code == LAW_SHARE:
+                    _write(laws[slot], omega, s, squares, slots[t], parts[t])
+                    above, below = r[t], r[a]
                 if factor:
-                    below = np.add(below, r[a] if factor == 1.0 else np.multiply(r[a], factor, out=spare), out=total)
+                    below = np.add(below, above if factor == 1.0 else np.multiply(above, factor, out=spare), out=total)
                 if kind != np.complex64:
-                    np.divide(r[a], below, out=r[t])
+                    np.divide(above, below, out=r[t])
                 else:
-                    # r_a b* / |b|^2: numpy divides complex numbers one by one. Both parts of (1 + j) b* b are |b|^2.
+                    # a b* / |b|^2: numpy divides complex numbers one by one. Both parts of (1 + j) b* b are |b|^2.
                     np.conjugate(below, out=spare)
-                    np.multiply(r[a], spare, out=r[t])
+                    np.multiply(above, spare, out=r[t])
                     np.multiply(spare, np.complex64(1 + 1j), out=spare)
                     np.multiply(spare, below, out=spare)
                     np.divide(parts[t], parts[-1], out=parts[t])
