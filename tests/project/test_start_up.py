@@ -73,21 +73,27 @@ name: two stiffnesses
 model: amt_rig
 configurations: [V]
 vary:
-  k_1: {type: list, values: [400 N*m/rad, 500 N*m/rad]}
+  k_1: {}
 quantities:
-  f_1: {type: natural_frequency, mode: 1}
+  f_1: {{type: natural_frequency, mode: 1}}
+{}
 """
 
 
 @pytest.mark.slow
-def test_a_study_without_draws_loads_no_heavy_package_and_no_kind_it_does_not_name(tmp_path):
-    (tmp_path / "small.yaml").write_text(SMALL_STUDY, encoding="utf-8")
+@pytest.mark.parametrize(
+    ("kind", "varied"),
+    [("uniform", "{type: list, values: [400 N*m/rad, 500 N*m/rad]}"), ("normal", "{type: normal, deviation: 5 %}")],
+)
+def test_a_small_study_loads_no_heavy_package_and_no_kind_it_does_not_name(tmp_path, kind, varied):
+    text = SMALL_STUDY.format(varied, "" if kind == "uniform" else "sampling: {count: 2, seed: 1}")
+    (tmp_path / "small.yaml").write_text(text, encoding="utf-8")
     loaded = loaded_modules(command("study", "small.yaml"), tmp_path)
     assert {name for name in loaded if "." not in name} & HEAVY == set()
     folders = [f"torsionnet.study.{name}." for name in ("space.variations", "quantities", "answers", "design")]
     kinds = {name for name in loaded if name.startswith(tuple(folders))}
     assert {name.rpartition(".")[2] for name in kinds} == {
-        "answer", "evaluator", "natural_frequency", "quantity", "uniform", "variant_block", "variation",
+        "answer", "evaluator", "natural_frequency", "quantity", kind, "variant_block", "variation",
     }  # fmt: skip
 
 

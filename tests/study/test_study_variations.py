@@ -11,7 +11,13 @@ from hypothesis import strategies as st
 import torsionnet as tn
 from torsionnet.base.errors import ModelError
 from torsionnet.base.units import DIMENSIONS
-from torsionnet.study.space.variations.normal import Lognormal, Normal, NormalMarginal, TruncatedMarginal
+from torsionnet.study.space.variations.normal import (
+    Lognormal,
+    Normal,
+    NormalMarginal,
+    TruncatedMarginal,
+    normal_quantile,
+)
 from torsionnet.study.space.variations.uniform import ListOfValues, Triangular, Uniform, ValueRange
 from torsionnet.study.space.variations.variation import VARIATIONS, GridAxis, Nominal, NominalReader, nominals
 
@@ -120,6 +126,12 @@ def test_normal_variables_lead_there_and_back(u):
     for variation in (CASES["normal"][0], CASES["lognormal"][0]):
         marginal = bound(variation)
         assert float(marginal.to_normal(marginal.from_normal(u))) == pytest.approx(u, abs=1e-12)
+
+
+def test_quantiles_of_a_normal_are_those_of_scipy():
+    shares = np.concatenate([10.0 ** np.arange(-308, 0), np.linspace(0, 1, 999), 1 - 10.0 ** np.arange(-15, 0)])
+    assert np.allclose(normal_quantile(shares), scipy.special.ndtri(shares), rtol=1e-15, atol=0)
+    assert np.isnan(normal_quantile([-0.1, 1.1, np.nan])).all()
 
 
 def test_a_far_tail_of_a_normal_keeps_its_digits():

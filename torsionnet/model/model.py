@@ -10,13 +10,6 @@ from typing import Any, Self
 
 from torsionnet.base.errors import Fault, ModelError, unknown_name
 from torsionnet.base.packages import ArgumentHints, imported
-from torsionnet.model.changes import (
-    can_be_named,
-    is_point_setting,
-    point_settings_of,
-    with_named_entries,
-    with_point_settings,
-)
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.configurations import (
     Overlay,
@@ -291,7 +284,14 @@ class Model(ArgumentHints):
         choice = dict(self._state.choice)
         if name:
             choice |= parse_choice(name, self._state.base.configurations)
-        own = {key: overrides.pop(key) for key in list(overrides) if self._sets_point(key)}
+        if not overrides:
+            if name not in self._configured:
+                self._configured[name] = self._changed(choice, self._state.changes)
+            return self._configured[name]
+        from torsionnet.model.changes import is_point_setting, with_point_settings
+
+        settings = (key for key in overrides if key not in self._state.base.parameters and is_point_setting(key))
+        own = {key: overrides.pop(key) for key in tuple(settings)}
         values = read_overrides(overrides, self._state.base.parameters, self._state.base.configurations)
         changes = replace(self._state.changes, parameters={**self._state.changes.parameters, **values})
         changes = with_point_settings(changes, own, self._state.base)
@@ -299,12 +299,14 @@ class Model(ArgumentHints):
             self._require_places(changes.at or changes.operating_point)
         return self._changed(choice, changes)
 
+    @cached_property
+    def _configured(self) -> dict[str, Self]:
+        """Copies in configurations by the names asked for, checked once."""
+        return {}
+
     def as_written(self) -> Self:
         """Copy of the model in no configuration, with the parameter values that were given beside it."""
         return self._changed({}, self._state.changes)
-
-    def _sets_point(self, name: str) -> bool:
-        return name not in self._state.base.parameters and is_point_setting(name)
 
     def with_entries_named(self, names: Iterable[str]) -> Self:
         """Copy of the model in which values of elements are parameters, so that they can vary as these do.
@@ -322,6 +324,8 @@ class Model(ArgumentHints):
         >>> chain.with_entries_named(["shaft.stiffness"]).configured(**{"shaft.stiffness": 900}).parameters
         mappingproxy({'shaft.stiffness': 900.0})
         """
+        from torsionnet.model.changes import can_be_named, with_named_entries
+
         fitting = [name for name in names if can_be_named(self._state.base, name)]
         if not fitting:
             return self
@@ -412,6 +416,8 @@ class Model(ArgumentHints):
         """Model ``whole`` in the configuration of this model, with the changes that were made to this model."""
         if not self._state.choice and self._state.changes == Overlay():
             return whole
+        from torsionnet.model.changes import point_settings_of
+
         choice = ",".join(f"{axis}={alternative}" for axis, alternative in self._state.choice.items())
         chosen = whole.configured(choice, **self._state.changes.parameters, **point_settings_of(self._state.changes))
         chosen = chosen.switched(on=self._state.changes.on, off=self._state.changes.off)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import io
 import json
 from collections import Counter
@@ -243,7 +242,7 @@ class Chunks:
 
 PARTS = ("count", "mean", "squares", "smallest", "largest", "smallest_at", "largest_at")
 """Names of the arrays of moments in the file of a chunk of variants."""
-CHECKSUM_BYTES = hashlib.sha256().digest_size
+CHECKSUM_BYTES = 32
 """Length in bytes of the SHA-256 checksum behind the end of a chunk's file."""
 CHUNKS = "chunks"
 """Name of the folder of chunks in that of the study."""
@@ -287,15 +286,19 @@ def chunk_bytes(values: ChunkValues, number: int) -> bytes:
         "remarks": dict(sorted(values.remarks.items())),
     }
     arrays["head"] = np.frombuffer(json.dumps(head).encode(), dtype=np.uint8)
+    from hashlib import sha256  # OpenSSL, which studies in memory do without
+
     stream = io.BytesIO()
     np.savez_compressed(stream, allow_pickle=False, **arrays)
-    return stream.getvalue() + hashlib.sha256(stream.getvalue()).digest()
+    return stream.getvalue() + sha256(stream.getvalue()).digest()
 
 
 def chunk_of_bytes(data: bytes, number: int) -> ChunkValues | None:
     """Results of chunk ``number`` from the content of its file, None where that is damaged or another chunk."""
+    from hashlib import sha256
+
     whole, checksum = data[:-CHECKSUM_BYTES], data[-CHECKSUM_BYTES:]
-    if hashlib.sha256(whole).digest() != checksum:
+    if sha256(whole).digest() != checksum:
         return None
     with np.load(io.BytesIO(whole), allow_pickle=False) as arrays:
         read = {name: arrays[name] for name in arrays.files}

@@ -54,9 +54,9 @@ class JointDistribution:
         Where there is correlation, the values of a parameter depend on the shares of those before it, too.
         """
         if self.root is not None:
-            from scipy.special import ndtri
+            from torsionnet.study.space.variations.normal import normal_quantile
 
-            return self.from_standard_normal(ndtri(shares))
+            return self.from_standard_normal(normal_quantile(shares))
         return {name: marginal.ppf(shares[:, place]) for place, (name, marginal) in enumerate(self.marginals.items())}
 
     def from_standard_normal(self, normal: FloatArray) -> dict[str, FloatArray]:

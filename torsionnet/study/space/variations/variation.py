@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from math import nan
+from math import erfc, nan, sqrt
 from typing import Any, ClassVar, TypeVar
 
 import numpy as np
@@ -182,6 +182,15 @@ class NominalReader:
         return f"{self.nominal.name} follows the operating point and has no value of its own"
 
 
+def share_below(normal: FloatArray) -> FloatArray:
+    """Share of a standard normal variable below each value; one alone, as checks of entries ask, needs no scipy."""
+    if not normal.ndim:
+        return np.asarray(erfc(-float(normal) / sqrt(2)) / 2)
+    from scipy.special import ndtr
+
+    return np.asarray(ndtr(normal))
+
+
 class Marginal:
     """Base class of the distributions of one parameter, with cumulative shares and their inverses.
 
@@ -219,9 +228,7 @@ class Marginal:
     def from_normal(self, normal: ArrayLike) -> FloatArray:
         """Parameter values in SI at the same shares as values of a standard normal variable."""
         u = np.asarray(normal, dtype=float)
-        from scipy.special import ndtr
-
-        tail = ndtr(-np.abs(u))
+        tail = share_below(-np.abs(u))
         return np.where(u < 0, self.ppf(tail), self.isf(tail))
 
     def to_normal(self, values: ArrayLike) -> FloatArray:
