@@ -21,13 +21,12 @@ from pathlib import Path
 
 import torsionnet as tn
 from benchmarks._sizes import ARGUMENTS, SHORT, sized
-from torsionnet.study.quantities.response import ResponseQuantity
+from torsionnet.study.quantities.transfer_quantity import ResponseQuantity
+from torsionnet.study.run import dask_executor as connecting
 from torsionnet.study.run.chunk_values import Chunks, chunk_file
-from torsionnet.study.run.cluster import dask_executor as connecting
-from torsionnet.study.run.cluster.dask_executor import DaskExecutor, connected
-from torsionnet.study.run.executor import Executor, SerialExecutor
+from torsionnet.study.run.dask_executor import DaskExecutor, connected
 from torsionnet.study.run.process_pool import ProcessExecutor
-from torsionnet.study.run.run_chunks import ChunkWork
+from torsionnet.study.run.run_chunks import ChunkWork, Executor, SerialExecutor
 from torsionnet.study.space.samples import Samples
 from torsionnet.study.space.space import Space
 from torsionnet.study.space.variations.normal import Normal

@@ -17,10 +17,9 @@ import torsionnet as tn
 from benchmarks._sizes import sized
 from torsionnet.base.threads import one_thread
 from torsionnet.model.channels import Input
+from torsionnet.motion.periodic.all_branches import from_rest
 from torsionnet.motion.periodic.condensed import CondensedPlant
-from torsionnet.motion.periodic.harmonic_balance import packed
-from torsionnet.motion.periodic.periodic_problem import PeriodicDrive, PeriodicProblem
-from torsionnet.motion.periodic.starts import from_rest
+from torsionnet.motion.periodic.periodic_problem import PeriodicDrive, PeriodicProblem, packed
 
 POINTS, STEPPED, PERIODS = sized(300, 20), sized(12, 2), sized(100, 3)
 SPEEDS = np.linspace(1000, 3000, POINTS) * np.pi / 30

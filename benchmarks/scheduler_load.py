@@ -24,7 +24,7 @@ from unittest import mock
 import psutil
 
 from benchmarks._sizes import ARGUMENTS, sized
-from torsionnet.study.run.cluster.dask_executor import DaskExecutor, TaskSize, connected
+from torsionnet.study.run.dask_executor import DaskExecutor, TaskSize, connected
 
 SECONDS = sized(20.0, 1.0)
 

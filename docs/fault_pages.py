@@ -5,7 +5,7 @@ from __future__ import annotations
 from pygments.lexers import YamlLexer
 from pygments.token import Error
 
-from torsionnet.app.text.fault_table import GROUPS, RIG, FaultKind, fault_kinds
+from torsionnet.app.text.text_faults import GROUPS, RIG, FaultKind, fault_kinds
 from torsionnet.base.errors import in_brackets
 
 

@@ -52,8 +52,7 @@ from torsionnet.bench.plan import (
     Transducer,
     ZeroDrift,
 )
-from torsionnet.bench.plan.bench_motions import MOTIONS
-from torsionnet.bench.plan.plan import EXCITATIONS
+from torsionnet.bench.plan.plan import EXCITATIONS, MOTIONS
 from torsionnet.model.damping import MEASURES, LossFactor
 from torsionnet.model.element_base.element_entries import MultipleValues, NodeName, NodePair, Teeth
 from torsionnet.model.element_base.shaft_stiffness import ShaftStiffness

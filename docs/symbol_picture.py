@@ -9,11 +9,12 @@ from sign_picture import EDGE, save
 
 from torsionnet.model.elements import GROUND, Element
 from torsionnet.plot.drawing.pieces import Piece, Stroke
-from torsionnet.plot.schematics import glyphs, outlines
+from torsionnet.plot.schematics import outlines
 from torsionnet.plot.schematics import symbols as box_symbols
+from torsionnet.plot.schematics import symbols as glyphs
 from torsionnet.plot.schematics import symbols as spring_chains
-from torsionnet.plot.schematics.branch_lines import Branch, GearPair
 from torsionnet.plot.schematics.schematic import figure_of_drawing
+from torsionnet.plot.schematics.wires import Branch, GearPair
 
 BETWEEN = 60.0
 

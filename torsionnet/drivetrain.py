@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     import torsionnet.machinery.design.damper_design
     import torsionnet.machinery.holzer.holzer
     import torsionnet.machinery.holzer.mass_elastic_lines
-    import torsionnet.machinery.mean.dissipation
     import torsionnet.machinery.mean.mean_solution
     import torsionnet.machinery.mean.static_state
     import torsionnet.machinery.orders.refined_response
@@ -119,7 +118,7 @@ class Drivetrain(AssembledModel, AttributeHints):
     mean_response = torsionnet.machinery.mean.mean_solution.mean_response
     static_state = torsionnet.machinery.mean.static_state.static_state
     power_balance = torsionnet.machinery.mean.static_state.power_balance
-    dissipated_power = torsionnet.machinery.mean.dissipation.dissipated_power
+    dissipated_power = torsionnet.machinery.mean.static_state.dissipated_power
     check_limits = torsionnet.machinery.verdicts.limit_checking.check_limits
     damper_design = torsionnet.machinery.design.damper_design.damper_design
 

@@ -1,8 +1,8 @@
 # Written by `make generate`.
 from collections.abc import Mapping
 from torsionnet.base.entries.accepted_types import Entries, Scalar, WholeNumber
-from torsionnet.bench.plan.bench_motions import CoastDown, GivenSpeed, RunDown, SteadyPoints
 from torsionnet.bench.plan.parts import DropOuts, Exciter, Hum, PitchErrors, RadialVibration, RecordingSystem, StrainGauge
+from torsionnet.bench.plan.plan import CoastDown, GivenSpeed, RunDown, SteadyPoints
 from torsionnet.signals.excitation import LoadCycles, LogarithmicSweep, Multisine, SteppedSine
 from typing import Any, Literal
 from torsionnet.bench.plan.parts import Acquisition as _Acquisition
@@ -12,7 +12,7 @@ from torsionnet.signals.excitation import LinearChirp as _LinearChirp
 from torsionnet.study.space.variations.normal import Normal as _Normal
 from torsionnet.bench.plan.plan import Plan as _Plan
 from torsionnet.signals.rotation.counter import PulseReading as _PulseReading
-from torsionnet.bench.plan.bench_motions import RunUp as _RunUp
+from torsionnet.bench.plan.plan import RunUp as _RunUp
 from torsionnet.motion.scenarios.short_circuit import ShortCircuitScenario as _ShortCircuitScenario
 from torsionnet.bench.plan.parts import ToothedWheel as _ToothedWheel
 from torsionnet.motion.scenarios.torques_of_nodes import TorqueScenario as _TorqueScenario

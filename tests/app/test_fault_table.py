@@ -4,7 +4,7 @@ import pytest
 from support.command_line import run
 from support.faults import example_faults, faults_of
 
-from torsionnet.app.text.fault_table import GROUPS, fault_kind, fault_kinds, fault_link
+from torsionnet.app.text.text_faults import GROUPS, fault_kind, fault_kinds, fault_link
 
 KINDS = fault_kinds()
 

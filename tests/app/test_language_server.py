@@ -117,7 +117,7 @@ def session(folder, talk, encodings=None):
 
     from pygls.lsp.client import LanguageClient
 
-    from torsionnet.app.language_server.standard_streams import serve
+    from torsionnet.app.language_server.model_server import serve
 
     listening = socket.create_server(("127.0.0.1", 0))
 
@@ -629,7 +629,7 @@ def test_the_newest_text_wins(tmp_path):
 
 
 def test_what_is_typed_over_is_not_checked():
-    from torsionnet.app.language_server.open_model import CheckSchedule
+    from torsionnet.app.language_server.editor_answers import CheckSchedule
 
     checked = []
 
@@ -701,7 +701,7 @@ def answers(sent):
 
 def answers_here(sent):
     """The same of a server in this process, and its exit code."""
-    from torsionnet.app.language_server.standard_streams import serve
+    from torsionnet.app.language_server.model_server import serve
 
     class Written(io.BytesIO):
         def close(self):
@@ -770,7 +770,7 @@ def test_no_message_ends_the_server(broken, capfd):
 
 
 def test_a_message_that_is_too_long_is_passed_over():
-    from torsionnet.app.language_server import standard_streams as guarded_input
+    from torsionnet.app.language_server import model_server as guarded_input
 
     long = guarded_input.MOST_MESSAGE + 1
     stream = guarded_input.GuardedInput(io.BytesIO(b"x" * long + message({"a": 1})))
@@ -801,8 +801,7 @@ def test_ctrl_c_ends_a_server_that_somebody_started_by_hand():
 @pytest.mark.parametrize(("before", "after", "offered"), [(3, 0, True), (3, -1, False), (0, 3, True), (-1, 3, False)])
 def test_mending_is_offered_where_the_marked_stretch_touches_the_fault(before, after, offered):
     """In this process: stretches that end or begin at the fault, and beside it."""
-    from torsionnet.app.language_server.editor_answers import code_actions
-    from torsionnet.app.language_server.open_model import EditorText, OpenModel
+    from torsionnet.app.language_server.editor_answers import EditorText, OpenModel, code_actions
     from torsionnet.app.text.text_edits import TextSpan
     from torsionnet.app.text.text_faults import text_faults
 
@@ -817,8 +816,8 @@ def test_mending_is_offered_where_the_marked_stretch_touches_the_fault(before, a
 
 def test_a_failing_service_becomes_a_message_in_the_log(monkeypatch):
     """Tried in this process, with a service that is broken on purpose."""
+    from torsionnet.app.language_server.editor_answers import EditorText, OpenModel
     from torsionnet.app.language_server.model_server import ModelServer
-    from torsionnet.app.language_server.open_model import EditorText, OpenModel
 
     server, told = ModelServer(), []
     model = OpenModel("file:///model.yaml", EditorText(README), "/model.yaml", None)
@@ -845,7 +844,7 @@ def test_without_the_extra_the_command_says_how_to_get_it(monkeypatch):
 
 def test_positions_are_those_of_the_protocol():
     """Its lines end at line feed, carriage return or both; YAML and Python know more ends."""
-    from torsionnet.app.language_server.open_model import EditorText
+    from torsionnet.app.language_server.editor_answers import EditorText
 
     text = EditorText("a\r\nb\u2028c\x0cd\re\U0001d70ff\n")
     assert [text.position(text.text.index(char)) for char in "abcdef"] == [

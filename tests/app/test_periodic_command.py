@@ -82,7 +82,7 @@ def test_a_word_that_is_none_is_told_at_its_place(tmp_path):
 
 
 def test_state_of_simulations_is_read_and_refused(tmp_path):
-    from torsionnet.app.cli.commands.periodic_command import _initial_state
+    from torsionnet.app.cli.commands.under_load import _initial_state
     from torsionnet.motion import MotionStart
 
     assert _initial_state(()) is None

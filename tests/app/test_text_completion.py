@@ -14,8 +14,8 @@ from support import campaigns
 from support.patience import PATIENCE
 
 import torsionnet as tn
-from torsionnet.app.text.completing.completion_values import units_of
 from torsionnet.app.text.completion import Completion, completions
+from torsionnet.app.text.completion_values import units_of
 from torsionnet.app.text.text_edits import TextEdit, TextLines, edited
 from torsionnet.base.units import DIMENSIONS, parse_unit
 from torsionnet.model.element_base.element import ELEMENT_TYPES

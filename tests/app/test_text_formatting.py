@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from support import campaigns
 from support.broken_models import BASE, CASES
 
-from torsionnet.app.text.formatting import formatted
+from torsionnet.app.text.layout import formatted
 from torsionnet.app.text.text_edits import edited
 from torsionnet.base.errors import ModelError
 from torsionnet.model.files.located_yaml import compose

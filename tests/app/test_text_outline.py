@@ -7,8 +7,8 @@ from itertools import pairwise
 import pytest
 from support import campaigns
 
+from torsionnet.app.text.layout import hover, outline
 from torsionnet.app.text.named_places import definition, named_places, references
-from torsionnet.app.text.outline import hover, outline
 from torsionnet.model.files.library import library_models
 
 SHIP = library_models()["two_stroke_ship"].read_text(encoding="utf-8")
@@ -175,7 +175,7 @@ def test_a_byte_order_mark_moves_all_places():
 
 def test_no_numpy_for_a_model_without_excitations():
     code = (
-        "import sys; from torsionnet.app.text.outline import hover; from torsionnet.app.text.named_places import rename\n"
+        "import sys; from torsionnet.app.text.layout import hover; from torsionnet.app.text.named_places import rename\n"
         f"text = {SMALL!r}\n"
         "hover(text, text.index('[a,') + 1); rename(text, text.index('[a,') + 1, 'z'); print('numpy' in sys.modules)"
     )

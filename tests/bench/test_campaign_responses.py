@@ -12,8 +12,7 @@ from torsionnet.app.cli.app import app
 from torsionnet.base.errors import ModelError
 from torsionnet.bench.campaign import running_campaign
 from torsionnet.io import write_recording
-from torsionnet.report.campaign_report import campaign_report
-from torsionnet.report.report import writer_for
+from torsionnet.report.report import campaign_report, writer_for
 from torsionnet.signals.recording import Recording, Signal
 
 MODEL = """

@@ -16,9 +16,9 @@ from torsionnet.model.arc_spring.slow_loop import ArcSprings, loop_from_top
 from torsionnet.model.elements import Values
 from torsionnet.signals import loops
 from torsionnet.signals.excitation import LoadCycles
-from torsionnet.signals.torque_loops.arc_loops import arc_loops
 from torsionnet.signals.torque_loops.loop_remarks import speed_remarks
 from torsionnet.signals.torque_loops.loop_result import LoopValue, TorqueLoop
+from torsionnet.signals.torque_loops.loops import arc_loops
 
 COMPONENT = """torsionnet: 1
 elements:

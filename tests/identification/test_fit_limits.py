@@ -9,7 +9,7 @@ from support.command_line import run
 
 import torsionnet as tn
 from torsionnet.bench.plan import Acquisition, Plan, Transducer
-from torsionnet.identification.unknown_parameter import parameter_quantity
+from torsionnet.identification.plan.fit_entries import parameter_quantity
 from torsionnet.signals import LinearChirp, Welch
 
 BAND = (1.5, 30.0)

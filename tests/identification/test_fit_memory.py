@@ -17,7 +17,7 @@ from torsionnet.identification.residuals import windowed_estimate as segments
 from torsionnet.identification.residuals.measurement_blocks import make_block
 from torsionnet.identification.residuals.windowed_estimate import windowed_estimate
 from torsionnet.signals import Recording, Signal, Welch, write_recording
-from torsionnet.signals.decimation import usable_up_to
+from torsionnet.signals.resampling import usable_up_to
 
 RATE, COUNT, BAND = 100.0, 330, (2.0, 30.0)
 SETTINGS = [

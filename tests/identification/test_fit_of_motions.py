@@ -10,7 +10,7 @@ import torsionnet as tn
 from torsionnet.base.errors import UsageError
 from torsionnet.identification.fit_problem import make_problem
 from torsionnet.identification.lack_of_fit import misfits
-from torsionnet.identification.unknown_parameter import read_unknowns
+from torsionnet.identification.plan.fit_entries import read_unknowns
 from torsionnet.signals import Recording, Signal
 
 DECAY = {"k": 140.0, "c": 0.06, "M": 0.35}

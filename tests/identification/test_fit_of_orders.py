@@ -14,7 +14,7 @@ from torsionnet.identification.fit_file import load_fit_plan
 from torsionnet.identification.fit_problem import make_problem
 from torsionnet.identification.orders.order_lines import order_faults
 from torsionnet.identification.orders.parametric_orders import ParametricOrders
-from torsionnet.identification.unknown_parameter import read_unknowns
+from torsionnet.identification.plan.fit_entries import read_unknowns
 from torsionnet.io import read_frequency_response
 from torsionnet.io.tracked_order_tables import read_tracked_orders, write_tracked_orders
 from torsionnet.linear.sensitivity.parametric import ParametricResponse

@@ -10,9 +10,8 @@ import torsionnet as tn
 from torsionnet.base.errors import UsageError
 from torsionnet.identification.fit_file import load_fit_plan
 from torsionnet.identification.fit_problem import make_problem
-from torsionnet.identification.fit_search import start_by_equations
-from torsionnet.identification.unknown_parameter import read_unknowns
-from torsionnet.identification.verdict_words import not_seen
+from torsionnet.identification.fit_search import not_seen, start_by_equations
+from torsionnet.identification.plan.fit_entries import read_unknowns
 from torsionnet.signals import Recording, Signal, write_recording
 from torsionnet.signals.stepped_levels import SteppedStiffness
 

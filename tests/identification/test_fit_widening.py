@@ -7,9 +7,8 @@ import pytest
 
 import torsionnet as tn
 from torsionnet.identification.fit_problem import make_problem
-from torsionnet.identification.fit_search import local_optimum
-from torsionnet.identification.unknown_parameter import Unknown
-from torsionnet.identification.verdict_words import NO_SCATTER
+from torsionnet.identification.fit_search import NO_SCATTER, local_optimum
+from torsionnet.identification.plan.fit_entries import Unknown
 
 TRUE = 640.0
 STRING = """\

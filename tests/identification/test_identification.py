@@ -13,7 +13,7 @@ from torsionnet import plot
 from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.bench.plan import Acquisition, Encoder, Plan, Transducer
 from torsionnet.identification import Candidate, choose_model, load_fit
-from torsionnet.identification.verdict_words import NO_SCATTER, _combinations
+from torsionnet.identification.fit_search import NO_SCATTER, _combinations
 from torsionnet.signals import LinearChirp, Recording, Signal, Welch, estimate
 
 F = np.linspace(0.5, 25, 120)

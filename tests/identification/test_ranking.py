@@ -19,7 +19,7 @@ from torsionnet.identification.causes import Cause
 from torsionnet.identification.fit_problem import make_problem
 from torsionnet.identification.fit_search import local_optimum
 from torsionnet.identification.fitting import _promising as promising
-from torsionnet.identification.unknown_parameter import Unknown
+from torsionnet.identification.plan.fit_entries import Unknown
 from torsionnet.io import read_frequency_response
 
 F = np.array([6.0, 14.0, 24.0])

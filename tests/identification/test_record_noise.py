@@ -12,7 +12,7 @@ from torsionnet.bench.plan import Acquisition, Encoder, Plan, Transducer
 from torsionnet.identification.fit import load_fit
 from torsionnet.identification.fit_result import interval_half_width
 from torsionnet.identification.residuals.noise import sensor_noise_powers, weighted_mean
-from torsionnet.identification.residuals.sensor_steps import REST_POSITIONS, SensorSteps, unexcited_windows
+from torsionnet.identification.residuals.sampled_response import REST_POSITIONS, SensorSteps, unexcited_windows
 from torsionnet.signals import LinearChirp, Welch, decimate
 from torsionnet.signals.excitation import Multisine
 

@@ -14,10 +14,10 @@ import torsionnet as tn
 from torsionnet.linear.modes.mode_pairs import amplification
 from torsionnet.linear.sensitivity import mode_sensitivities
 from torsionnet.machinery.criticals.speed_peaks import SAME_PEAK
-from torsionnet.machinery.phasors.vector_sums import StarDiagram, star_diagram
+from torsionnet.machinery.orders.vector_sums import StarDiagram, star_diagram
 from torsionnet.machinery.verdicts.margin_rules import PRESETS, MarginClause, MarginRule, margin_rule
 from torsionnet.study.quantities.natural_frequency import NaturalFrequency
-from torsionnet.study.quantities.variant_block import VariantBlock
+from torsionnet.study.quantities.quantity import VariantBlock
 
 RPM = np.pi / 30
 RIGID = dict.fromkeys(("c1", "c2", "c3", "c4", "c5", "c6"), 1.0)
@@ -587,7 +587,7 @@ class TestPictures:
         """7 points outwards; where the sum lies over the vector, 9 points below it."""
         from matplotlib.figure import Figure
 
-        from torsionnet.plot.star_diagram_plot import draw_star
+        from torsionnet.plot.interference_plot import draw_star
 
         found = {}
         for vectors in ([1, 1j, -1, -1j], [1, 1, 0, 0]):

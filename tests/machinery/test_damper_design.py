@@ -12,8 +12,7 @@ from torsionnet import plot
 from torsionnet.linear.frequency_response import Channel
 from torsionnet.linear.sensitivity.parametric import parametric_response
 from torsionnet.machinery.design.damper_optimum import DamperOptimum, DesignParameter, FixedPoint, LevelPeak
-from torsionnet.machinery.design.levels import OrderLevels, ReceptanceLevels, VariedModel
-from torsionnet.machinery.design.minimax import largest
+from torsionnet.machinery.design.level_minimax import OrderLevels, ReceptanceLevels, VariedModel, largest
 
 J, K = 2.0, 8e4
 OMEGA = np.sqrt(K / J)

@@ -16,8 +16,8 @@ from torsionnet.machinery.excitations.reciprocating_engine import (
     firing_intervals,
     indicated_pressures,
 )
-from torsionnet.machinery.phasors.excitation_lines import excitation_lines
-from torsionnet.machinery.phasors.vector_sums import vector_sums
+from torsionnet.machinery.orders.excitation_lines import excitation_lines
+from torsionnet.machinery.orders.vector_sums import vector_sums
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Paragraph, Picture, TableBlock
 

@@ -10,7 +10,7 @@ from validation.build import build, damper_matrix, read_case, spring_name
 
 import torsionnet as tn
 from torsionnet.machinery.excitations.electric_machine import ElectricMachine
-from torsionnet.machinery.excitations.propeller_torque import PropellerTorque
+from torsionnet.machinery.excitations.harmonic_torque import PropellerTorque
 from torsionnet.machinery.excitations.twist_excitation import GearMesh, UniversalJoint
 from torsionnet.model.channels import Input
 from torsionnet.model.files.reader import read_text

@@ -6,7 +6,7 @@ from support.faults import raised_faults
 
 import torsionnet as tn
 from torsionnet.base.entries.spec import EntryError
-from torsionnet.machinery.excitations.propeller_torque import PropellerCondition
+from torsionnet.machinery.excitations.harmonic_torque import PropellerCondition
 from torsionnet.machinery.excitations.table_by_pressure import interpolated, mean_pressure
 from torsionnet.model.files.library import library_models
 

@@ -16,13 +16,12 @@ from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.linear.frequency_response import Channel
 from torsionnet.modal import Settings, identify_modes, match, peak_picking, stabilisation
 from torsionnet.modal.matching import mac
-from torsionnet.modal.matrix_fraction import largest_order
+from torsionnet.modal.matrix_fraction import Order, Stabilisation, _same, largest_order
 from torsionnet.modal.mode_identification import fit_poles
 from torsionnet.modal.refinement import factors_of, roots_of
 from torsionnet.modal.residues import Projection
 from torsionnet.modal.selection import clusters, significant_poles
 from torsionnet.modal.spectral_lines import Criteria, lines_of, power_over_receptance
-from torsionnet.modal.stabilisation_chart import Order, Stabilisation, _same
 
 LINES = np.arange(0.5, 30.01, 0.1)
 CUT = {  # Hz, %; of the rigs cut at the torque meter

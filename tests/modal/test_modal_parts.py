@@ -8,14 +8,13 @@ from support.modal_cases import chain_residues, pole, response_of
 
 from torsionnet.base.errors import UsageError
 from torsionnet.modal import Settings, identify_modes
-from torsionnet.modal.matrix_fraction import orthogonal, powers, roots
+from torsionnet.modal.matrix_fraction import Order, _same, orthogonal, powers, roots
 from torsionnet.modal.modal_estimate import line_spacing
 from torsionnet.modal.mode_identification import fit_poles
 from torsionnet.modal.refinement import factors_of
 from torsionnet.modal.residues import Projection, expand
 from torsionnet.modal.selection import BicCriterion, line_correlation, significant_poles
 from torsionnet.modal.spectral_lines import Criteria, Lines, lines_of
-from torsionnet.modal.stabilisation_chart import Order, _same
 
 LINES = np.arange(1.0, 20.01, 0.5)
 POLES = np.array([pole(4, 0.03), -40.0 + 0j, pole(9, 0.05), -70.0 + 0j])

@@ -9,9 +9,8 @@ import pytest
 from support.periodic_rigs import branch_over, duffing, free_clearance, problem, rubbing_mass, two_stage_rig
 
 import torsionnet as tn
-from torsionnet.motion.periodic.hill import hill_multipliers
 from torsionnet.motion.periodic.periodic_result import PeriodicResponse
-from torsionnet.motion.periodic.stability import stability_of
+from torsionnet.motion.periodic.stability import hill_multipliers, stability_of
 
 MULTIPLIER = 1e-3
 """Error asked of multipliers."""

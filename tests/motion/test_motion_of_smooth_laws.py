@@ -273,13 +273,13 @@ def test_bad_requests_are_answered():
 
 def test_a_motion_of_too_many_steps_is_refused_as_soon_as_its_steps_become_short(monkeypatch):
     """A hardening spring vibrates at 10 rad/s until its torque rises after 1 s; it takes some 520 steps for 2 s."""
-    monkeypatch.setattr("torsionnet.motion.smooth.smooth_system.STEPS_BETWEEN_REPORTS", 20)
+    monkeypatch.setattr("torsionnet.motion.smooth_system.STEPS_BETWEEN_REPORTS", 20)
     rig = single(tn.Spring("s", nodes=("a", "ground"), stiffness=100, cubic=1e4))
     driven, start = {"a": straight([(0, 0), (1, 0), (1.2, 2000), (2, 2000)])}, MotionStart(angles={"a": 0.01})
-    monkeypatch.setattr("torsionnet.motion.smooth.smooth_system.MOST_STEPS", 400)
+    monkeypatch.setattr("torsionnet.motion.smooth_system.MOST_STEPS", 400)
     with pytest.raises(SolveError, match="no-solution"):
         rig.simulate("angle(a)", driven, 100, duration=2.0, initial_state=start)
-    monkeypatch.setattr("torsionnet.motion.smooth.smooth_system.MOST_STEPS", 700)
+    monkeypatch.setattr("torsionnet.motion.smooth_system.MOST_STEPS", 700)
     rig.simulate("angle(a)", driven, 100, duration=2.0, initial_state=start)
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from torsionnet.motion.motion_summary import energy_table
+from torsionnet.motion.motion_record import energy_table
 from torsionnet.signals.recording import EnergyBalance, Recording, Signal
 
 

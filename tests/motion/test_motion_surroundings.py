@@ -10,7 +10,7 @@ import torsionnet as tn
 from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.motion.contact_states import MotionStart
 from torsionnet.motion.scenarios.time_history import HistoryPiece, TimeHistory, constant
-from torsionnet.motion.smooth.smooth_system import SmoothMethod
+from torsionnet.motion.smooth_system import SmoothMethod
 
 
 def motor(**entries):

@@ -21,10 +21,9 @@ from support.periodic_rigs import (
 import torsionnet as tn
 from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.motion.periodic import all_branches, periodic_response
+from torsionnet.motion.periodic.all_branches import from_rest, from_simulation, without_start
 from torsionnet.motion.periodic.periodic_problem import peak_to_peak
 from torsionnet.motion.periodic.periodic_response import _between as between
-from torsionnet.motion.periodic.starts import from_rest, without_start
-from torsionnet.motion.periodic.stepped_starts import from_simulation
 
 
 def _multipliers_of_the_sink(W: float, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -13,7 +13,7 @@ from support.periodic_rigs import car, free_clearance
 import torsionnet as tn
 from torsionnet.app.explore.over_speed import over_speed
 from torsionnet.base.errors import UsageError
-from torsionnet.motion.periodic.periodic_orders import PeriodicOrders
+from torsionnet.motion.periodic.periodic_response import PeriodicOrders
 
 RPM = pi / 30
 GAS = {"type": "harmonic", "node": "engine", "orders": {
@@ -186,7 +186,7 @@ def test_limits_judge_the_upper_branch_and_name_its_jumps():
 
 def test_limit_that_only_an_unstable_motion_keeps_is_not_judged(monkeypatch):
     # at 40 Hz what is met repeats after two periods, which are not looked for here
-    monkeypatch.setattr("torsionnet.motion.periodic.periodic_orders.SUBHARMONICS", 1)
+    monkeypatch.setattr("torsionnet.motion.periodic.periodic_response.SUBHARMONICS", 1)
     limits = {"gap": {"rule": "curve", "output": "torque(gap)", "value": "1 kN*m", "source": "maker"}}
     speeds = {"of": "a", "list": ["2400 rpm", "3000 rpm"], "nonlinear": "periodic"}
     rig = rattling(speeds=speeds, limits=limits)
@@ -203,7 +203,7 @@ def test_limit_that_only_an_unstable_motion_keeps_is_not_judged(monkeypatch):
 def test_study_says_where_no_motion_is_stable(monkeypatch):
     from torsionnet.study import define, run_study
 
-    monkeypatch.setattr("torsionnet.motion.periodic.periodic_orders.SUBHARMONICS", 1)
+    monkeypatch.setattr("torsionnet.motion.periodic.periodic_response.SUBHARMONICS", 1)
     limits = {"gap": {"rule": "curve", "output": "torque(gap)", "value": "1 kN*m", "source": "maker"}}
     rig = rattling(speeds={"of": "a", "list": ["2400 rpm"], "nonlinear": "periodic"}, limits=limits)
     asked = {"swing": {"type": "order_torque", "output": "twist(gap)"}, "used": {"type": "utilisation"}}

@@ -13,10 +13,10 @@ from support.periodic_rigs import (
 )
 
 import torsionnet as tn
-from torsionnet.motion.periodic.doubling import located_doubling
+from torsionnet.motion.periodic.all_branches import from_rest
+from torsionnet.motion.periodic.forks import located_doubling
 from torsionnet.motion.periodic.periodic_problem import PeriodicMotion, PeriodicProblem
 from torsionnet.motion.periodic.stability import stability_of
-from torsionnet.motion.periodic.starts import from_rest
 
 
 def _first(one: PeriodicProblem, motion: PeriodicMotion) -> complex:

@@ -14,8 +14,8 @@ from torsionnet.motion.scenarios.short_circuit import ShortCircuitScenario
 from torsionnet.motion.scenarios.time_history import HistoryPiece, TimeHistory, Wave, straight
 from torsionnet.motion.scenarios.torques_of_nodes import TorqueScenario
 from torsionnet.signals.records.recording_files import read_recording
+from torsionnet.study.quantities.quantity import VariantBlock
 from torsionnet.study.quantities.transient_peak import ScenarioPeak
-from torsionnet.study.quantities.variant_block import VariantBlock
 
 SSR = tn.load("turbine_generator_ssr")
 T_0 = SSR.parameters["T_0"]

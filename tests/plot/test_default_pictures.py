@@ -20,7 +20,7 @@ from torsionnet.signals.orders.tracked_orders import MeasuredOrder, TrackedOrder
 from torsionnet.signals.recording import MotionEvent
 from torsionnet.signals.stepped_levels import SteppedStiffness
 from torsionnet.signals.uncertainty import peak_warnings
-from torsionnet.study.shown_units import IN_SI
+from torsionnet.study.study import IN_SI
 
 RATE = 4000.0
 
@@ -180,9 +180,9 @@ def test_large_torques_are_drawn_in_kilonewtonmetres():
 
 
 def test_pictures_have_the_title_that_is_given_and_amplitudes_over_speed_begin_at_zero():
-    from torsionnet.plot.loops_plot import stepped_stiffness
     from torsionnet.plot.order_overlay_plot import order_overlay
     from torsionnet.plot.order_response_plot import half_ranges
+    from torsionnet.plot.signal_plots import stepped_stiffness
 
     run = tn.loads(LARGE).order_response("T_s")
     test = {"T_s": [MeasuredOrder(6, np.array([40.0, 60.0]), np.array([2e4, 3e4]))]}
@@ -256,7 +256,7 @@ def test_the_name_of_an_event_has_its_room_inside_the_panel(time, side):
 
 
 def test_harmonics_of_a_sweep_have_the_name_of_their_signal_and_their_orders():
-    from torsionnet.plot.time_frequency import sweep_harmonics
+    from torsionnet.plot.signal_plots import sweep_harmonics
 
     sizes = np.array([[1.0, 0.1], [2.0, 0.2], [1.0, 0.4]])
     found = Harmonics(np.arange(3.0), np.array([10.0, 20, 30]), (1.0, 2.0), sizes, -170 * sizes, "T", "N*m")
@@ -309,7 +309,7 @@ def test_parameters_and_their_bounds_are_inside_the_panel(count):
     from matplotlib.figure import Figure
 
     from torsionnet.plot.study.designs import _draw_places
-    from torsionnet.plot.study.worst_variants import _places
+    from torsionnet.plot.study.distributions import _places
 
     names = [f"k_{number}" for number in range(count)]
     panels = Figure().subplots(1, 2)
@@ -364,7 +364,7 @@ def test_colours_of_a_tornado_reach_the_largest_change_of_either_sign():
 def test_teeth_of_a_wheel_fill_their_axis():
     from matplotlib.figure import Figure
 
-    from torsionnet.plot.wheel_plots import _teeth
+    from torsionnet.plot.signal_plots import _teeth
 
     pattern = SimpleNamespace(teeth=36, missing=1, positions=np.zeros(36), half_widths=np.ones(36))
     axes = Figure().add_subplot()

@@ -21,7 +21,8 @@ import torsionnet as tn
 from torsionnet import plot
 from torsionnet.base.errors import UsageError
 from torsionnet.plot.drawing.pieces import ROLES, X_HEIGHT, font_widths, is_math, symbol_runs, symbols_width, text_width
-from torsionnet.plot.schematics import arrangement, wiring
+from torsionnet.plot.schematics import arrangement
+from torsionnet.plot.schematics import wires as wiring
 from torsionnet.plot.schematics.svg_drawing import _id, schematic_svg
 
 ARRANGED = arrangement._arranged

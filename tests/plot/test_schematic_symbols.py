@@ -13,8 +13,8 @@ from support.pictures import EXAMPLES, SOME_EXAMPLES, collisions, crossed, drawa
 import torsionnet as tn
 from torsionnet import plot
 from torsionnet.plot.drawing.labels import symbol
-from torsionnet.plot.schematics.glyphs import inline_glyph
 from torsionnet.plot.schematics.outlines import BODY
+from torsionnet.plot.schematics.symbols import inline_glyph
 
 
 @pytest.mark.parametrize("kind", EVERY_ELEMENT)

@@ -93,7 +93,7 @@ def test_a_small_study_loads_no_heavy_package_and_no_kind_it_does_not_name(tmp_p
     folders = [f"torsionnet.study.{name}." for name in ("space.variations", "quantities", "answers", "design")]
     kinds = {name for name in loaded if name.startswith(tuple(folders))}
     assert {name.rpartition(".")[2] for name in kinds} == {
-        "answer", "evaluator", "natural_frequency", "quantity", kind, "variant_block", "variation",
+        "answer", "evaluator", "natural_frequency", "quantity", kind, "variation",
     }  # fmt: skip
 
 

@@ -14,7 +14,7 @@ import torsionnet as tn
 from torsionnet.machinery.limits.iacs_m68 import IacsM68
 from torsionnet.machinery.limits.m68_factors import permissible, size_factor, usual_range
 from torsionnet.machinery.orders.synthesis import cycle_extremes
-from torsionnet.study.answers.sobol_indices import estimates_of, sobol_points
+from torsionnet.study.answers.sensitivity_answers import estimates_of, sobol_points
 from torsionnet.study.answers.subset_sampling import counted_share
 
 THEORY = Path(__file__).parents[2] / "docs" / "theory"

@@ -9,7 +9,7 @@ from support.written_models import SHIP_SHAFTING
 
 import torsionnet as tn
 from torsionnet.machinery.excitations.reciprocating_engine import lost_harmonics
-from torsionnet.machinery.phasors.vector_sums import vector_sums
+from torsionnet.machinery.orders.vector_sums import vector_sums
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Listing, Paragraph, TableBlock
 

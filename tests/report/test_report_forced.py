@@ -12,7 +12,7 @@ import torsionnet as tn
 from torsionnet.machinery.verdicts.order_peaks import differing_lines, line_name, order_peaks, order_shares
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Picture, TableBlock
-from torsionnet.report.free_end import free_end
+from torsionnet.report.measured_orders import free_end
 
 PLANT = """
 torsionnet: 1

@@ -11,7 +11,7 @@ from support.report_blocks import blocks, of, rows
 import torsionnet as tn
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Listing, Paragraph, TableBlock
-from torsionnet.report.report_conditions import _is_long, alternative_words
+from torsionnet.report.sections.conditions import _is_long, alternative_words
 
 PLANT = """
 torsionnet: 1

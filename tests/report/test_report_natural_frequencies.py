@@ -237,7 +237,7 @@ def test_torques_of_rounding_twist_no_shaft_in_the_table():
     """Of 1e6 N m, 1e-5 N m is less than a double tells, 1e-2 is not."""
     from dataclasses import replace
 
-    from torsionnet.report.report_holzer import _without_rounding
+    from torsionnet.report.sections.natural_frequencies import _without_rounding
 
     holzer = line().holzer_table(1)
     (branch,) = holzer.branches

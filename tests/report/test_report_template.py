@@ -34,8 +34,7 @@ from torsionnet.report.document_tree import (
     TableGroup,
 )
 from torsionnet.report.report_text import as_words, capital, sentence
-from torsionnet.report.rewording import Rewording
-from torsionnet.report.template_reading import in_language, read_template
+from torsionnet.report.template_reading import Rewording, in_language, read_template
 from torsionnet.report.wording import Wording, replaceable_texts
 from torsionnet.report.writers import templating
 from torsionnet.report.writers.html import html_page

@@ -10,18 +10,18 @@ from support.limit_cases import hump, m68, stressed
 
 import torsionnet as tn
 from torsionnet.base.phrases import phrase
-from torsionnet.machinery.checks.limit_checks import limit_subject, unfit_limits
+from torsionnet.machinery.checks.section_checks import limit_subject, unfit_limits
 from torsionnet.machinery.limits.class_rule_shaft import GeneratingSetShaft
-from torsionnet.machinery.limits.society_rules import NOT_AT_HAND, SHAFT_SOCIETIES, SOCIETIES
+from torsionnet.machinery.limits.shaft_limit import NOT_AT_HAND, SHAFT_SOCIETIES, SOCIETIES
 from torsionnet.machinery.verdicts.shaft_margins import shaft_margins
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Heading, Math, TableBlock, TableGroup
 from torsionnet.report.plan.report_plan import SECTIONS, ReportPlan
 from torsionnet.report.report_data import ReportData, cases_of
 from torsionnet.report.report_request import ReportRequest
-from torsionnet.report.rewording import in_society_words
 from torsionnet.report.sections.conditions import society_form
 from torsionnet.report.sections.resonances import separation_margins
+from torsionnet.report.template_reading import in_society_words
 
 RPM = np.arange(20.0, 104.01, 0.5)
 
@@ -448,7 +448,7 @@ def test_generator_shaft_by_hand():
 
 
 def test_reports_know_every_society():
-    from torsionnet.machinery.limits.society_rules import SOCIETIES
+    from torsionnet.machinery.limits.shaft_limit import SOCIETIES
     from torsionnet.report.plan.report_plan import SOCIETY_NAMES
 
     assert tuple(SOCIETIES) == SOCIETY_NAMES

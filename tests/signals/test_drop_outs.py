@@ -7,7 +7,7 @@ import pytest
 
 from torsionnet.signals import CycleAverage, VoldKalman, mean_rotation, track_orders
 from torsionnet.signals.orders.cycle_average import averaged_blocks
-from torsionnet.signals.orders.record_window import drop_outs
+from torsionnet.signals.orders.tracked_signals import drop_outs
 from torsionnet.signals.recording import Recording, Signal
 
 RATE, SPEED, MEAN, PEAK = 2000.0, 60.0, -400.0, 50.0
@@ -50,7 +50,7 @@ def test_orders_do_not_see_drop_outs(reads, noise, method):
 
 
 def test_drop_outs_would_spoil_a_block_if_they_were_kept(monkeypatch):
-    monkeypatch.setattr("torsionnet.signals.orders.record_window.drop_outs", lambda _: [])
+    monkeypatch.setattr("torsionnet.signals.orders.tracked_signals.drop_outs", lambda _: [])
     ((_, values),) = tracked(record(SPANS, reads="zero"))
     assert np.abs(values - TRUE).max() > 1.0
 

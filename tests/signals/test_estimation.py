@@ -13,9 +13,9 @@ from support.known_damping import two_light_modes
 from torsionnet.base.errors import UsageError
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.signals.comparison import difference, frac
-from torsionnet.signals.decimation import blocks_in_order
 from torsionnet.signals.estimators import Step, estimate, multiple_coherence, stepped_sine
 from torsionnet.signals.recording import Recording, Signal
+from torsionnet.signals.resampling import blocks_in_order
 from torsionnet.signals.spectra import cross_spectra
 from torsionnet.signals.uncertainty import (
     half_power_bandwidth,

@@ -10,8 +10,8 @@ from support.command_line import run
 
 from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.io import read_frequency_response
+from torsionnet.signals.formats.record_uff import function_dataset, write_sets
 from torsionnet.signals.formats.registry import EXPORTS, FORMATS
-from torsionnet.signals.formats.uff.record_uff import function_dataset, write_sets
 from torsionnet.signals.recording import Recording, Signal
 from torsionnet.signals.records.recording_files import iter_blocks, read_recording, write_recording
 

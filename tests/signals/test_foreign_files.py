@@ -29,7 +29,8 @@ import torsionnet as tn
 from torsionnet.app.cli.app import app
 from torsionnet.base.errors import ModelError
 from torsionnet.signals import iter_blocks, read_recording, write_recording
-from torsionnet.signals.foreign import ForeignFileError, process, resource_limits
+from torsionnet.signals.foreign import ForeignFileError, process
+from torsionnet.signals.foreign import content as resource_limits
 from torsionnet.signals.foreign.__main__ import error_line
 from torsionnet.signals.foreign.uff_content import check_end
 

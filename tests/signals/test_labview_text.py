@@ -7,8 +7,8 @@ import pytest
 from support.command_line import run
 
 from torsionnet.base.errors import ModelError, UsageError
-from torsionnet.signals.decimation import blocks_in_order
 from torsionnet.signals.records.recording_files import iter_blocks, read_recording, write_recording
+from torsionnet.signals.resampling import blocks_in_order
 
 FILE = (
     "LabVIEW Measurement\t\nWriter_Version\t2\nReader_Version\t2\nSeparator\tTab\nDecimal_Separator\t.\n"

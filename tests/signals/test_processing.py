@@ -10,9 +10,9 @@ import scipy
 from torsionnet import plot
 from torsionnet.base.errors import UsageError
 from torsionnet.signals.calculus import convert
-from torsionnet.signals.decimation import anti_alias_taps, decimate, decimated, usable_up_to
 from torsionnet.signals.order_tracking import order_map, sweep_harmonics
 from torsionnet.signals.recording import QUANTITY_UNITS, Recording, Signal
+from torsionnet.signals.resampling import anti_alias_taps, decimate, decimated, usable_up_to
 from torsionnet.signals.spectra import spectrogram
 from torsionnet.signals.welch import Welch, without_trend
 

@@ -8,13 +8,19 @@ from click.testing import CliRunner
 
 from torsionnet.app.cli.app import app
 from torsionnet.base.errors import ModelError, UsageError
-from torsionnet.signals.decimation import decimate
 from torsionnet.signals.encoder import angle_from_pulses
 from torsionnet.signals.estimators import estimate
 from torsionnet.signals.pulses import repaired_pulses
 from torsionnet.signals.recording import Recording, Signal
 from torsionnet.signals.records.recording_files import read_recording
-from torsionnet.signals.resampling import ALWAYS_ALLOWED_COUNT, MOST_MULTIPLE, check_count, even_times, resampled
+from torsionnet.signals.resampling import (
+    ALWAYS_ALLOWED_COUNT,
+    MOST_MULTIPLE,
+    check_count,
+    decimate,
+    even_times,
+    resampled,
+)
 from torsionnet.signals.spectra import spectrogram
 from torsionnet.signals.uncertainty import resolution
 from torsionnet.signals.welch import Welch

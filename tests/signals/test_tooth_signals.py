@@ -12,15 +12,16 @@ from torsionnet.signals.encoder import pulse_times
 from torsionnet.signals.recording import Recording, Signal
 from torsionnet.signals.rotation.counter import PulseReading
 from torsionnet.signals.rotation.pulse_channel import PulseChannel
-from torsionnet.signals.rotation.quadrature import (
-    DirectedPulses,
-    ReversingRotation,
-    quadrature_pulses,
-    refuse_turning_back,
-)
 from torsionnet.signals.rotation.rotations_of_wheels import iter_wheel_rotations
 from torsionnet.signals.rotation.wheel import Wheel
-from torsionnet.signals.rotation.wheel_channel import WheelChannel, wheel_pulses
+from torsionnet.signals.rotation.wheel_channel import (
+    DirectedPulses,
+    ReversingRotation,
+    WheelChannel,
+    quadrature_pulses,
+    refuse_turning_back,
+    wheel_pulses,
+)
 from torsionnet.signals.rotation.wheel_rotation import wheel_rotation
 
 RATE = 20_000.0
@@ -177,7 +178,7 @@ class TestQuadrature:
 @pytest.mark.parametrize("before", [10, 11, 33, 50])
 def test_a_standstill_is_seen_wherever_it_is(monkeypatch, before, together):
     """From ten pulses on either side: at constant deceleration they come at the roots of whole numbers."""
-    monkeypatch.setattr("torsionnet.signals.rotation.quadrature.INTERVALS_TOGETHER", together)
+    monkeypatch.setattr("torsionnet.signals.rotation.wheel_channel.INTERVALS_TOGETHER", together)
     places = np.r_[np.arange(-before, 0), 1:11].astype(float)
     with pytest.raises(UsageError, match=rf"(?s)n1: .* -1 s, pulse {before - 1}: .*turning-back"):
         refuse_turning_back(np.sign(places) * np.sqrt(np.abs(places)), "n1")

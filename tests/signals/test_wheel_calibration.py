@@ -6,7 +6,7 @@ from support.turned_wheels import crossing_angles, position_amplitude, run_up, s
 
 import torsionnet as tn
 from torsionnet.base.errors import UsageError
-from torsionnet.identification.wheel_orders import calculated_wheel_orders
+from torsionnet.identification.orders.parametric_orders import calculated_wheel_orders
 from torsionnet.signals.rotation.pitch_order import pickup_gains
 from torsionnet.signals.rotation.pulse_channel import PulseChannel
 from torsionnet.signals.rotation.wheel import Wheel, WheelPattern

@@ -12,7 +12,7 @@ from support.wheel_tests import DEGREE, ORDERS, RPM, VALUES, Z, record, teeth
 
 import torsionnet as tn
 from torsionnet.base.errors import UsageError
-from torsionnet.identification.wheel_orders import calculated_wheel_orders
+from torsionnet.identification.orders.parametric_orders import calculated_wheel_orders
 from torsionnet.signals.rotation.pitch_order import CalculatedOrders, constant_part
 from torsionnet.signals.rotation.pulse_channel import PulseChannel
 from torsionnet.signals.rotation.turn_pattern import check_pattern

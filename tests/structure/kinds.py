@@ -27,7 +27,7 @@ PASSED_ON = {"fault", "faults", "found", "wrong", "errors", "error"}
 
 def kinds_faults(modules: list[Module]) -> Iterator[Fault]:
     """Faults of the kinds of faults in all modules."""
-    from torsionnet.app.text.fault_table import fault_kinds
+    from torsionnet.app.text.text_faults import fault_kinds
 
     table = fault_kinds()
     written: set[str] = set()

@@ -6,10 +6,9 @@ import scipy
 from support import campaigns
 
 from torsionnet.base.errors import SolveError, UsageError
-from torsionnet.study.answers.map_answer import parameter_map
-from torsionnet.study.answers.scatter_answer import rank_correlations
+from torsionnet.study.answers.map_and_scatter import parameter_map, rank_correlations
+from torsionnet.study.answers.sensitivity_answers import one_at_a_time
 from torsionnet.study.answers.subset_sampling import counted_share
-from torsionnet.study.answers.tornado_answer import one_at_a_time
 from torsionnet.study.answers.worst_case_answer import largest
 
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from support.study_runs import small_chunks, small_study
 
-from torsionnet.study.quantities import variant_block
-from torsionnet.study.quantities import variant_block as counted_remarks
+from torsionnet.study.quantities import quantity as counted_remarks
+from torsionnet.study.quantities import quantity as variant_block
 from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.natural_frequency import NaturalFrequency
 from torsionnet.study.reductions import summaries as histogram
@@ -16,8 +16,7 @@ from torsionnet.study.reductions.summaries import GrowingHistogram, Histogram
 from torsionnet.study.run import chunk_values as reducing
 from torsionnet.study.run import run_chunks as workload
 from torsionnet.study.run.chunk_values import ChunkValues
-from torsionnet.study.run.executor import SerialExecutor
-from torsionnet.study.run.run_chunks import Workload, run_study
+from torsionnet.study.run.run_chunks import SerialExecutor, Workload, run_study
 
 
 @pytest.fixture

@@ -21,10 +21,10 @@ from support.cluster_work import DeadlyWork, FailingWork, NoiseWork, Prepared, n
 from support.patience import PATIENCE, wait_for
 
 from torsionnet.base.errors import MissingExtraError, ModelError, UsageError
-from torsionnet.study.run.cluster import chunk_task, dask_executor
-from torsionnet.study.run.cluster import chunk_task as cluster_losses
-from torsionnet.study.run.cluster.chunk_task import ClusterError
-from torsionnet.study.run.cluster.dask_executor import TASKS_AHEAD, DaskExecutor, check_folder, connected, folder_fault
+from torsionnet.study.run import chunk_task, dask_executor
+from torsionnet.study.run import chunk_task as cluster_losses
+from torsionnet.study.run.chunk_task import ClusterError
+from torsionnet.study.run.dask_executor import TASKS_AHEAD, DaskExecutor, check_folder, connected, folder_fault
 
 pytestmark = pytest.mark.skipif(find_spec("distributed") is None, reason="needs dask.distributed")
 
@@ -501,7 +501,7 @@ def test_answers_on_a_cluster(local, study_folder, monkeypatch):
     def these(_):
         yield local
 
-    monkeypatch.setattr("torsionnet.study.run.cluster.dask_executor.connected", these)
+    monkeypatch.setattr("torsionnet.study.run.dask_executor.connected", these)
     monkeypatch.setattr(evaluation_memory, "LEAST_SHARED_SECONDS", 0.0)
     monkeypatch.setattr(evaluation_memory, "LEAST_CALL_SECONDS", 0.0)
     study = study_of_answers(("shares", "worst"))

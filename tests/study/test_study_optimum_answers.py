@@ -8,13 +8,13 @@ import scipy
 
 import torsionnet as tn
 from torsionnet.linear.sensitivity.parametric import parametric_response
-from torsionnet.machinery.design.levels import ReceptanceLevels, WorstLevels
+from torsionnet.machinery.design.level_minimax import ReceptanceLevels, WorstLevels
 from torsionnet.study.design.best_damper import damper_over_conditions
 from torsionnet.study.design.design_quantities import ExactSlopes
 from torsionnet.study.design.optimise import polish
 from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.natural_frequency import DampingRatio, NaturalFrequency
-from torsionnet.study.quantities.response import ResponseQuantity
+from torsionnet.study.quantities.transfer_quantity import ResponseQuantity
 from torsionnet.study.study import define
 
 J_END = 0.5

@@ -6,12 +6,10 @@ import pytest
 import torsionnet as tn
 from torsionnet.base.units import RPM
 from torsionnet.study import define, run_study
-from torsionnet.study.answers.map_answer import MapResult, ParameterMap
-from torsionnet.study.answers.percentile_bands_answer import PercentileBandsResult
-from torsionnet.study.answers.scatter_answer import ParallelCoordinatesResult
-from torsionnet.study.answers.yield_answer import YieldResult, limited_values
+from torsionnet.study.answers.map_and_scatter import MapResult, ParallelCoordinatesResult, ParameterMap
+from torsionnet.study.answers.yield_answer import PercentileBandsResult, YieldResult, limited_values
 from torsionnet.study.quantities.quantity import QuantityForm, QuantityLimit
-from torsionnet.study.shown_units import IN_SI, ShownUnits, shown_units
+from torsionnet.study.study import IN_SI, ShownUnits, shown_units
 
 X = np.geomspace(10.0, 1000.0, 5)
 Y = np.linspace(1.0, 2.0, 4)
@@ -88,7 +86,7 @@ def test_labels_of_maps_stay_in_the_picture(cases, limit):
 
 def test_names_of_cases_that_take_more_lines_make_a_picture_of_maps_higher():
     """Names of one line, of two, and of four, above the one row of maps."""
-    from torsionnet.plot.study.contour_map import LABEL_LINE
+    from torsionnet.plot.study.over_parameters import LABEL_LINE
 
     names = ("a", "a b" * 25, "a b" * 50)
     heights = [a_map(rising(), cases=(name, "other")).figure().get_figheight() for name in names]

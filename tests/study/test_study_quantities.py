@@ -26,8 +26,7 @@ import torsionnet as tn
 from torsionnet.base.equal_remarks import collected_warnings
 from torsionnet.base.errors import ModelError, TorsionnetWarning
 from torsionnet.study.quantities.peak import band_grid, largest
-from torsionnet.study.quantities.quantity import QUANTITIES
-from torsionnet.study.quantities.variant_block import VariantBlock
+from torsionnet.study.quantities.quantity import QUANTITIES, VariantBlock
 
 
 @pytest.fixture

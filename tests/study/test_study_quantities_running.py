@@ -12,8 +12,7 @@ from torsionnet.base.entries.declared import files_beside
 from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.expression import function
-from torsionnet.study.quantities.quantity import QUANTITIES, QuantityForm
-from torsionnet.study.quantities.variant_block import MOST_REMARKS, OTHERS, VariantBlock
+from torsionnet.study.quantities.quantity import MOST_REMARKS, OTHERS, QUANTITIES, QuantityForm, VariantBlock
 
 
 @pytest.fixture

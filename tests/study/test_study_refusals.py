@@ -13,7 +13,6 @@ import torsionnet as tn
 from torsionnet.app.cli.app import app
 from torsionnet.base.errors import MissingExtraError, SolveError, UsageError
 from torsionnet.study.answers.answer import ANSWERS, LIMIT, PARAMETER, QUANTITY, unknown_names
-from torsionnet.study.examined_study import quantity_model_faults
 from torsionnet.study.quantities.expression import function
 from torsionnet.study.quantities.quantity import QUANTITIES
 from torsionnet.study.run import study_folder
@@ -21,6 +20,7 @@ from torsionnet.study.run.answering import Workers, answer_study
 from torsionnet.study.run.run_chunks import run_study
 from torsionnet.study.space.samples import Samples
 from torsionnet.study.space.variations.variation import VARIATIONS
+from torsionnet.study.study_file import quantity_model_faults
 
 PLAN = """\
 torsionnet: 1

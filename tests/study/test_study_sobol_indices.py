@@ -6,7 +6,7 @@ import scipy
 from support import campaigns
 
 from torsionnet.base.errors import SolveError, UsageError
-from torsionnet.study.answers.sobol_indices import estimates_of, sobol_points
+from torsionnet.study.answers.sensitivity_answers import estimates_of, sobol_points
 
 FIRST, TOTAL = np.array([0.31390519, 0.44241114, 0.0]), np.array([0.55758886, 0.44241114, 0.24368366])
 

@@ -15,13 +15,12 @@ from support.faults import is_as_expected
 import torsionnet as tn
 import torsionnet.study.space.samples as sampling_points
 from torsionnet.base.errors import ModelError
-from torsionnet.study.examined_study import space_faults
 from torsionnet.study.space.correlation import Correlation, CorrelationOfPair, HermiteSeries
 from torsionnet.study.space.samples import LatinHypercubePoints, Samples, permuted
-from torsionnet.study.space.space import Space
-from torsionnet.study.space.space_reading import SpaceEntries
+from torsionnet.study.space.space import Space, SpaceEntries
 from torsionnet.study.space.variations.normal import Lognormal, LognormalMarginal, Normal, NormalMarginal
 from torsionnet.study.space.variations.uniform import ListOfValues, Triangular, Uniform, UniformMarginal, ValueRange
+from torsionnet.study.study_file import space_faults
 
 RIG = tn.load("amt_rig")
 METHODS = ("random", "latin_hypercube", "sobol")

@@ -16,8 +16,8 @@ CLIENT = """
 import sys
 from pathlib import Path
 from support.cluster_work import NoiseWork
-from torsionnet.study.run.cluster.dask_executor import connected
-from torsionnet.study.run.cluster.dask_executor import DaskExecutor
+from torsionnet.study.run.dask_executor import connected
+from torsionnet.study.run.dask_executor import DaskExecutor
 
 if __name__ == "__main__":
     where, folder, count = sys.argv[1], sys.argv[2], int(sys.argv[3])

@@ -109,7 +109,7 @@ def study():
 
 @cache
 def contour_map():
-    from torsionnet.study.answers.map_answer import MapResult, ParameterMap
+    from torsionnet.study.answers.map_and_scatter import MapResult, ParameterMap
     from torsionnet.study.quantities.quantity import QuantityLimit
 
     values = np.add.outer(np.arange(5.0), np.arange(4.0)) + 1
@@ -399,7 +399,7 @@ def misfiring():
 
 @cache
 def vector_sums():
-    from torsionnet.machinery.phasors.vector_sums import vector_sums as sums
+    from torsionnet.machinery.orders.vector_sums import vector_sums as sums
 
     return sums(ship(), "engine", modes=[1, 2])
 

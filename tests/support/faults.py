@@ -14,7 +14,7 @@ import numpy as np
 import torsionnet as tn
 from support.command_line import runner
 from torsionnet.app.cli.app import app
-from torsionnet.app.text.fault_table import RIG, FaultKind
+from torsionnet.app.text.text_faults import RIG, FaultKind
 from torsionnet.base.errors import EntryPath, Fault, TorsionnetError
 from torsionnet.model.files.reader import read_text
 

@@ -7,7 +7,7 @@ import numpy as np
 
 import torsionnet as tn
 from torsionnet.linear.frequency_response import Channel
-from torsionnet.machinery.checks.limit_checks import limit_subject
+from torsionnet.machinery.checks.section_checks import limit_subject
 from torsionnet.machinery.limits.evidence import Evidence
 from torsionnet.machinery.orders.order_response import OrderLine, OrderResponse
 from torsionnet.machinery.orders.worst_response import WorstResponse

@@ -9,10 +9,10 @@ import numpy as np
 
 import torsionnet as tn
 from torsionnet.model.channels import Input
+from torsionnet.motion.periodic.all_branches import from_rest
 from torsionnet.motion.periodic.branch import MotionBranch, Tracer
 from torsionnet.motion.periodic.condensed import CondensedPlant
 from torsionnet.motion.periodic.periodic_problem import PeriodicDrive, PeriodicMotion, PeriodicProblem, peak_to_peak
-from torsionnet.motion.periodic.starts import from_rest
 
 
 def duffing() -> tn.Drivetrain:

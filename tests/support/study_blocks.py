@@ -10,7 +10,7 @@ import numpy as np
 
 import torsionnet as tn
 from torsionnet.machinery.excitations.speed_range import SpeedRange
-from torsionnet.study.quantities.variant_block import VariantBlock
+from torsionnet.study.quantities.quantity import VariantBlock
 
 
 def spread(model: tn.Drivetrain, names: tuple[str, ...], count: int = 5, width: float = 0.2) -> dict[str, np.ndarray]:

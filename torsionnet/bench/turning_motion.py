@@ -15,7 +15,7 @@ from torsionnet.base.errors import UsageError
 from torsionnet.base.notes import NoteOrText
 from torsionnet.base.units import RPM
 from torsionnet.bench.mean_motion import MeanMotion, MeanReadings, mean_readings
-from torsionnet.bench.plan.bench_motions import (
+from torsionnet.bench.plan.plan import (
     COAST_DOWN_POINTS,
     BenchMotion,
     CoastDown,

@@ -5,11 +5,11 @@ from torsionnet.base.packages import lazy_exports
 __all__, __getattr__, __dir__ = lazy_exports(
     __name__,
     {
-        "Candidate": "torsionnet.identification.model_choice",
+        "Candidate": "torsionnet.identification.ranking",
         "Fit": "torsionnet.identification.fit",
         "Measurement": "torsionnet.identification.residuals.measurement",
-        "Unknown": "torsionnet.identification.unknown_parameter",
-        "choose_model": "torsionnet.identification.model_choice",
+        "Unknown": "torsionnet.identification.plan.fit_entries",
+        "choose_model": "torsionnet.identification.ranking",
         "identify": "torsionnet.identification.fitting",
         "load_fit": "torsionnet.identification.fit",
         "rank_causes": "torsionnet.identification.ranking",

@@ -12,13 +12,12 @@ import numpy as np
 from torsionnet.base.errors import TorsionnetError
 from torsionnet.base.expressions import Expression, Number
 from torsionnet.identification.fit_problem import FitProblem, lay_out_problem
-from torsionnet.identification.fit_search import SEARCH_RANGE_FACTOR, LeastSquaresSolution
+from torsionnet.identification.fit_search import SEARCH_RANGE_FACTOR, LeastSquaresSolution, relative_misfits
+from torsionnet.identification.plan.fit_entries import Unknown
 from torsionnet.identification.residuals.equation_block import EquationBlock
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.residuals.stepped_block import SteppedBlock
-from torsionnet.identification.unknown_parameter import Unknown
-from torsionnet.identification.verdict_words import relative_misfits
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.linear.between_samples import NOTED_EFFECT, WAYS, Between

@@ -13,10 +13,16 @@ from torsionnet.base.errors import Fault, ModelError, UsageError, did_you_mean, 
 from torsionnet.drivetrain import Drivetrain, load
 from torsionnet.identification.orders.order_lines import OrderData, faults_of_orders, read_order_data, shows_phases
 from torsionnet.identification.orders.parametric_orders import numbers_of_excitations
-from torsionnet.identification.plan.fit_entries import FileReading, FitFile, FitMeasurement, FitParameter, FitSettings
+from torsionnet.identification.plan.fit_entries import (
+    FileReading,
+    FitFile,
+    FitMeasurement,
+    FitParameter,
+    FitSettings,
+    Unknown,
+)
 from torsionnet.identification.residuals.measurement import Measurement, set_points
 from torsionnet.identification.residuals.measurement_blocks import record_settings, welch_settings
-from torsionnet.identification.unknown_parameter import Unknown
 from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.model.files.fault_places import located_faults, read_document
 from torsionnet.model.files.located_yaml import LocatedDocument

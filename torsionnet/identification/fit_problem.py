@@ -13,14 +13,13 @@ from torsionnet.base.errors import UsageError
 from torsionnet.identification.orders.order_block import OrderBlock, reference_angles, with_shared_orders
 from torsionnet.identification.orders.order_lines import parts_by_phase
 from torsionnet.identification.orders.parametric_orders import numbers_of_excitations
+from torsionnet.identification.plan.fit_entries import Unknown, parameter_quantity
 from torsionnet.identification.residuals.equation_block import EquationBlock
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.residuals.measurement_blocks import make_block
 from torsionnet.identification.residuals.noise import sensor_noise_powers, weighted_mean
-from torsionnet.identification.residuals.record_block import RecordBlock
-from torsionnet.identification.residuals.response_block import ResponseBlock
-from torsionnet.identification.unknown_parameter import Unknown, parameter_quantity
+from torsionnet.identification.residuals.response_blocks import RecordBlock, ResponseBlock
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import FloatArray
 

@@ -31,14 +31,14 @@ from torsionnet.identification.fit_search import (
     LeastSquaresSolution,
     local_optimum,
     loss_weights,
+    relative_misfits,
     typical_steps,
 )
 from torsionnet.identification.lack_of_fit import Explanation, LackOfFit, misfits
+from torsionnet.identification.plan.fit_entries import Unknown, read_unknowns
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.sampled_response import FORMS
 from torsionnet.identification.residuals.stepped_block import SteppedBlock
-from torsionnet.identification.unknown_parameter import Unknown, read_unknowns
-from torsionnet.identification.verdict_words import relative_misfits
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.uncertainty import ENOUGH_STEPS, resolution

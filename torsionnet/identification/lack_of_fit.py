@@ -15,7 +15,7 @@ from torsionnet.base.result_rows import Out
 from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.residuals.noise import Noise
-from torsionnet.identification.residuals.record_block import RecordBlock
+from torsionnet.identification.residuals.response_blocks import RecordBlock
 from torsionnet.identification.residuals.sampled_response import errors_in_form, parts
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 

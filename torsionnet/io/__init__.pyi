@@ -17,8 +17,8 @@ from torsionnet.model.catalogues.catalogue_reading import read_catalogue as read
 from torsionnet.signals.records.recording_files import iter_blocks as iter_blocks
 from torsionnet.signals.records.recording_files import read_recording as read_recording
 from torsionnet.signals.records.recording_files import write_recording as write_recording
-from torsionnet.signals.responses.response_files import read_frequency_response as read_frequency_response
-from torsionnet.signals.responses.response_files import write_frequency_response as write_frequency_response
+from torsionnet.signals.response_files import read_frequency_response as read_frequency_response
+from torsionnet.signals.response_files import write_frequency_response as write_frequency_response
 
 __all__ = [
     "iter_blocks",

@@ -10,10 +10,10 @@ import numpy as np
 
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.elements import ArcSpring, Clearance, Friction, Lock, Spring
-from torsionnet.signals.torque_loops.arc_loops import ARC, RADIUS, ArcLoops, arc_loops
 from torsionnet.signals.torque_loops.loop_numbers import ONE_FRICTION
 from torsionnet.signals.torque_loops.loop_remarks import sides_differ
 from torsionnet.signals.torque_loops.loop_result import LoopStage, LoopValue, TorqueLoop, TorqueLoops
+from torsionnet.signals.torque_loops.loops import ARC, RADIUS, ArcLoops, arc_loops
 
 NODES = ("driving", "driven")
 DIGITS = 6

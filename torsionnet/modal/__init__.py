@@ -13,7 +13,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "modes_from_ambient": "torsionnet.modal.operational.ambient_modes",
         "modes_from_decay": "torsionnet.modal.operational.decay_modes",
         "modes_from_run_up": "torsionnet.modal.operational.run_up_modes",
-        "peak_picking": "torsionnet.modal.peak_modes",
+        "peak_picking": "torsionnet.modal.mode_identification",
         "swept_response": "torsionnet.modal.operational.run_up_fit",
         "sweep_of": "torsionnet.modal.operational.run_up_fit",
         "stabilisation": "torsionnet.modal.selection",

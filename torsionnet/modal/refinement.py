@@ -22,8 +22,8 @@ from torsionnet.modal.matrix_fraction import largest_order, poles_of_orders
 from torsionnet.modal.residues import Expansion, Projection, coefficients_of, expand
 from torsionnet.modal.selection import BicCriterion, line_correlation, pole_count
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines, Settings
-from torsionnet.signals.decimation import FILTER_HALF_LENGTH
 from torsionnet.signals.recording import Recording
+from torsionnet.signals.resampling import FILTER_HALF_LENGTH
 
 SMALLEST_VALUE = 1e-12
 """Least coefficient, and least residual over the response, that is assumed, as their logarithm and inverse are

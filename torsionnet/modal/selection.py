@@ -11,10 +11,9 @@ import numpy as np
 from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.base.threads import one_thread
 from torsionnet.linear.frequency_response import FrequencyResponse
-from torsionnet.modal.matrix_fraction import damping_ratios, natural_frequencies
+from torsionnet.modal.matrix_fraction import Stabilisation, damping_ratios, diagram, natural_frequencies
 from torsionnet.modal.residues import expand
 from torsionnet.modal.spectral_lines import DEFAULT_HIGHEST_ORDER, ComplexArray, Lines, Method, Settings
-from torsionnet.modal.stabilisation_chart import Stabilisation, diagram
 
 # Schwarz criterion (BIC) of fits with different numbers of poles, misfit against number of unknowns.
 

@@ -164,11 +164,11 @@ OWNERS = {
     "load": SectionOwner("torsionnet.model.load.load_section:Load"),
     "excitations": SectionOwner(
         "torsionnet.machinery.excitations:excitation_kinds",
-        "torsionnet.machinery.checks.excitation_checks:unfit_excitations",
-        "torsionnet.machinery.checks.excitation_checks:excitation_faults",
+        "torsionnet.machinery.checks.section_checks:unfit_excitations",
+        "torsionnet.machinery.checks.section_checks:excitation_faults",
     ),
     "limits": SectionOwner(
-        "torsionnet.machinery.limits:limit_rules", "torsionnet.machinery.checks.limit_checks:unfit_limits"
+        "torsionnet.machinery.limits:limit_rules", "torsionnet.machinery.checks.section_checks:unfit_limits"
     ),
     "scenarios": SectionOwner(
         "torsionnet.motion.scenarios:scenario_kinds",
@@ -183,8 +183,8 @@ OWNERS = {
 """Owner of each section that few models have, by its key in a model file."""
 CONDITIONS_AT_RATED_SPEED = (
     "torsionnet.machinery.checks.rating_mismatches:rating_mismatches",
-    "torsionnet.machinery.checks.excitation_checks:archer_at_small_torque",
-    "torsionnet.machinery.checks.excitation_checks:cut_off_excitations",
+    "torsionnet.machinery.checks.section_checks:archer_at_small_torque",
+    "torsionnet.machinery.checks.section_checks:cut_off_excitations",
 )
 """Places of the checks of powers and speeds at rated speed, functions of the external torques."""
 EXCITATION_NUMBERS = "torsionnet.machinery.excitations.excitation_numbers:with_numbers"
@@ -195,7 +195,7 @@ BENCH_FILE = "torsionnet.bench.plan.plan:BenchFile"
 """Place of the class of a file that names a model and describes a test of it."""
 OPERATING_BALANCE = "torsionnet.motion.balance.operating_balance:OperatingBalance"
 """Place of the operating point about which laws of motion are linear; a model with such laws imports it."""
-PERIODIC_ORDERS = "torsionnet.motion.periodic.periodic_orders:periodic_orders"
+PERIODIC_ORDERS = "torsionnet.motion.periodic.periodic_response:periodic_orders"
 """Place of the function that gives order responses with laws of motion in full, where that is asked for."""
 
 

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from torsionnet.base.errors import SolveError, UsageError, did_you_mean
 from torsionnet.base.phrases import phrase
 from torsionnet.linear.assembly.rows import FloatArray
-from torsionnet.motion.chain_phases import ChainPhases
 from torsionnet.motion.contact_form import (
     NEGLIGIBLE_ENTRY,
     ContactForm,
@@ -41,6 +40,7 @@ from torsionnet.motion.march_tables import (
     table_steps,
 )
 from torsionnet.motion.motion_plant import Drive, LawPhases, Layout, MotionPlant, Phase
+from torsionnet.motion.smooth_laws import ChainPhases
 
 # State of motion from which a simulation starts.
 

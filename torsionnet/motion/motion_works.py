@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.model.elements import MotionLaw
-from torsionnet.motion.chain_phases import ChainPhase
 from torsionnet.motion.contact_form import ContactForm
 from torsionnet.motion.contact_states import Contact, ContactStates
 from torsionnet.motion.march_tables import StepMatrices, in_steps, step_matrices
 from torsionnet.motion.marching import DEGREE
 from torsionnet.motion.motion_plant import LawPhases, PlacedLaw
 from torsionnet.motion.motion_record import MOST_KEPT, Stretches
+from torsionnet.motion.smooth_laws import ChainPhase
 
 # Energy stored in a plant at a state of motion, as squares of rows over the state z and energies of laws of motion.
 

@@ -25,8 +25,8 @@ from torsionnet.motion.piece_system import simulate_pieces
 from torsionnet.motion.scenarios.scenario import GridTie
 from torsionnet.motion.scenarios.time_history import TimeHistory, constant, held_course
 from torsionnet.motion.simulate import driven_request, motion_signals, simulate_linear
-from torsionnet.motion.smooth.smooth_system import BEYOND, RELATIVE, simulate_smooth
 from torsionnet.motion.smooth_laws import Scale, SplitPlant, split_plant, tied_plant
+from torsionnet.motion.smooth_system import BEYOND, RELATIVE, simulate_smooth
 from torsionnet.motion.steady_start import nodes_of, steady_start
 from torsionnet.motion.torque_courses import TorqueCourses, torque_courses
 from torsionnet.signals.recording import Recording

@@ -22,7 +22,7 @@ from torsionnet.linear.between_samples import Between, check_between
 from torsionnet.linear.dynamic_stiffness.state_space import first_order, output_matrices
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest
 from torsionnet.linear.dynamic_stiffness.triangular import DiagonalBlock
-from torsionnet.machinery.passage.exponential_steps import gauss_points, step_weights
+from torsionnet.machinery.passage.passage_torques import gauss_points, step_weights
 from torsionnet.motion.scenarios.time_history import TimeHistory, first_sample
 from torsionnet.signals.recording import Signal
 

@@ -15,12 +15,11 @@ from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.errors import UsageError
 from torsionnet.base.number_text import typeset_unit
 from torsionnet.modal import cmif
+from torsionnet.modal.matrix_fraction import Stabilisation
 from torsionnet.modal.modal_estimate import ModalEstimate
-from torsionnet.modal.operational.ambient_modes import AmbientPoles
+from torsionnet.modal.operational.ambient_modes import AmbientPoles, OperationalModes
 from torsionnet.modal.operational.decay_modes import DecayFit
-from torsionnet.modal.operational.operational_modes import OperationalModes
 from torsionnet.modal.operational.run_up_modes import SweptFit
-from torsionnet.modal.stabilisation_chart import Stabilisation
 from torsionnet.plot.drawing.style import GivenAxes
 
 if TYPE_CHECKING:

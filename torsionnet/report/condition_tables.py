@@ -12,7 +12,7 @@ from torsionnet.base.number_text import NumberText
 from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.units import RPM
 from torsionnet.machinery.criticals.critical_speeds import CriticalSpeed
-from torsionnet.machinery.limits.society_rules import in_all_words
+from torsionnet.machinery.limits.shaft_limit import in_all_words
 from torsionnet.machinery.orders.operating_groups import damping_shares
 from torsionnet.machinery.orders.order_amplitudes import SummedOrder
 from torsionnet.machinery.verdicts.condition_peaks import ConditionPeaks, JudgedCritical, JudgedPoint, SumPeak
@@ -23,8 +23,7 @@ from torsionnet.report.critical_remarks import beside_range, cancelling_sources,
 from torsionnet.report.document_tree import Cell, Heading, Paragraph, TableBlock, Text
 from torsionnet.report.document_tree import TableGroup as Group
 from torsionnet.report.report_data import Case, ReportData
-from torsionnet.report.report_text import as_words, criterion_cell
-from torsionnet.report.report_units import DIGITS, limit_number, limit_unit
+from torsionnet.report.report_text import DIGITS, as_words, criterion_cell, limit_number, limit_unit
 
 SAME_VALUE = 0.05
 """Relative difference up to which values of two conditions count as the same: readings on board differ by as much."""

@@ -17,8 +17,7 @@ from torsionnet.machinery.verdicts.order_peaks import LEAST_SHARE, SMALL_SHARE, 
 from torsionnet.model.elements import Propeller
 from torsionnet.report.document_tree import Text
 from torsionnet.report.report_data import Case, ReportData
-from torsionnet.report.report_text import as_words, first_names, unit
-from torsionnet.report.report_units import DIGITS
+from torsionnet.report.report_text import DIGITS, as_words, first_names, unit
 
 MOST_NAMED = 40
 """Largest number of further critical speeds that a note names."""

@@ -11,7 +11,7 @@ from torsionnet.base import number_text
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from torsionnet.report.template_folder import TemplateFolder
+    from torsionnet.report.wording import TemplateFolder
 
 
 @dataclass(frozen=True)

@@ -1,10 +1,11 @@
-"""Measured orders that a report lays beside the amplitudes expected at the places of its measurement plan."""
+"""Measured orders that a report lays beside expected amplitudes, and the free end at which they are measured."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,16 +27,19 @@ from torsionnet.machinery.orders.order_pair import common_turn
 from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.machinery.verdicts.measured_range import MeasuredRange
 from torsionnet.model.channels import parse_sensor
+from torsionnet.model.definition import Definition
+from torsionnet.model.elements import GROUND
 from torsionnet.report.document_tree import Cell, Heading, TableBlock
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_text import as_words, unit
-from torsionnet.report.report_units import engineering_unit, limit_scale
+from torsionnet.report.report_text import as_words, engineering_unit, limit_scale, unit
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.linear.frequency_response import Channel
     from torsionnet.signals.orders.tracked_orders import MeasuredOrder
 
+
+# Measured orders that a report lays beside the amplitudes expected at the places of its measurement plan.
 
 FORM = "CONFIGURATION=FILE, or CONFIGURATION:SENSOR=FILE"
 """Pattern, for error messages, of the text that names a file of measured orders, its condition and its sensor."""
@@ -246,3 +250,54 @@ def measured_range_block(ranges: Sequence[MeasuredRange], conventions: Conventio
 def _percent(values: Sequence[float | None]) -> list[Cell]:
     """Differences with one decimal."""
     return [NumberText(value, DIFFERENCE_DIGITS, None if value is None else 1) for value in values]
+
+
+# Free end of a drivetrain at which its torsional vibration is measured on board.
+
+
+def free_end(definition: Definition) -> str:
+    """Name of the node at the free end of the engine: the end of the drivetrain nearest to a cylinder.
+
+    Without an engine with cylinders the first end in the order of the model; without ends the first node.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> [free_end(tn.load(name).definition) for name in ("marine_medium_speed", "bulk_carrier")]
+    ['free_end', 'c1']
+    """
+    neighbours = _neighbours(definition)
+    ends = [node for node, others in neighbours.items() if len(others) == 1] or list(neighbours)
+    far = _distances(neighbours, _cylinder_nodes(definition))
+    return min(ends, key=lambda node: far.get(node, len(neighbours)), default="")
+
+
+def _neighbours(definition: Definition) -> dict[str, set[str]]:
+    """Nodes that an element connects with each node, in the order in which the elements name them."""
+    neighbours: dict[str, set[str]] = {}
+    for element in definition.active:
+        nodes = [node for node in element.ports.values() if node != GROUND]
+        for node in nodes:
+            neighbours.setdefault(node, set())
+        for node, other in combinations(nodes, 2):
+            neighbours[node].add(other)
+            neighbours[other].add(node)
+    return neighbours
+
+
+def _cylinder_nodes(definition: Definition) -> list[str]:
+    """Nodes of the cylinders of all engines, or nothing where none runs."""
+    each = (getattr(excitation, "cylinders", {}) for excitation in definition.excitations.values())
+    return [str(node) for cylinders in each for node in cylinders.values()]
+
+
+def _distances(neighbours: Mapping[str, set[str]], start: list[str]) -> dict[str, int]:
+    """Number of elements between each node and the nearest node to start from, of the nodes connected to one."""
+    distances = {node: 0 for node in start if node in neighbours}
+    order = list(distances)
+    for node in order:
+        for other in sorted(neighbours[node]):
+            if other not in distances:
+                distances[other] = distances[node] + 1
+                order.append(other)
+    return distances

@@ -11,8 +11,7 @@ from torsionnet.machinery.orders.order_comparison import order_comparison
 from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.model.channels import Sensor, named_sensor
 from torsionnet.model.element_base.round_section import section_fault
-from torsionnet.report.free_end import free_end
-from torsionnet.report.measured_orders import MeasuredFile
+from torsionnet.report.measured_orders import MeasuredFile, free_end
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.signals.orders.tracked_orders import MeasuredOrder
 

@@ -1,4 +1,4 @@
-"""Making a report on a model from the options of a call, and writing its files."""
+"""Making a report on a model or on a campaign of tests from the options of a call, and writing its files."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import datetime as dt
 import importlib
 import json
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -15,24 +15,27 @@ from torsionnet.base.entries.scalars import parse_band
 from torsionnet.base.errors import ModelError, UsageError, comma_list, did_you_mean, fault_of
 from torsionnet.base.nearby_files import files_recorded
 from torsionnet.base.version import __version__
-from torsionnet.drivetrain import load
-from torsionnet.model.channels import Pair
+from torsionnet.drivetrain import Drivetrain, load
+from torsionnet.model.channels import Pair, named_sensor
 from torsionnet.model.files.reader import find_model
 from torsionnet.report.document_tree import Report
-from torsionnet.report.measured_orders import measured_files
+from torsionnet.report.measured_orders import MeasuredFile, measured_files
 from torsionnet.report.plan.report_plan import KINDS, LANGUAGES, ReportPlan, unknown_section
 from torsionnet.report.plan.title_block import TitleBlock
 from torsionnet.report.report_data import ReportData, cases_of, digest_of, document_kind, require_answers
 from torsionnet.report.report_request import Measured, ReportRequest, read_date
 
 if TYPE_CHECKING:
-    from torsionnet.drivetrain import Drivetrain
+    from torsionnet.bench.campaign.campaign import Campaign
+    from torsionnet.bench.campaign.running_campaign import CampaignResult
     from torsionnet.identification import Fit
-    from torsionnet.report.template_folder import TemplateFolder
+    from torsionnet.report.wording import TemplateFolder
     from torsionnet.signals.torque_loops.loop_result import TorqueLoops
     from torsionnet.study.study import Study
     from torsionnet.study.study_result import StudyResult
 
+
+# Making a report on a model from the options of a call, and writing its files.
 
 # Check that the studies shown in a report are of the model that the report is on.
 
@@ -297,11 +300,10 @@ def make_report(
     inputs += _measured_inputs(request)
     subject = ReportData(drivetrain, cases, request, file.name, digest_of(data), inputs)
     require_answers(subject)
-    from torsionnet.machinery.limits.society_rules import SOCIETIES
+    from torsionnet.machinery.limits.shaft_limit import SOCIETIES
     from torsionnet.report.build import build
     from torsionnet.report.report_text import names_in_reports
-    from torsionnet.report.rewording import Rewording, in_society_words
-    from torsionnet.report.template_reading import in_language
+    from torsionnet.report.template_reading import Rewording, in_language, in_society_words
 
     report = build(subject, __version__, progress)
     read = in_language(plan.language, read)
@@ -393,3 +395,93 @@ def _tests(raw: Any) -> tuple[Measured, ...]:
     if isinstance(raw, Mapping):
         return tuple(Measured(response, str(name)) for name, response in raw.items())
     return tuple(entry if isinstance(entry, Measured) else Measured(entry) for entry in raw)
+
+
+# Report on a campaign of tests: the model, the orders and responses measured beside those calculated, the fit.
+
+
+def campaign_report(
+    result: CampaignResult,
+    *,
+    sections: Iterable[str] = (),
+    progress: Callable[[str, int, int], None] = lambda *_: None,
+) -> Report:
+    """Report on the model of a campaign in the configurations of its records, with their orders, responses and the fit.
+
+    Parameters
+    ----------
+    result : CampaignResult
+    sections : iterable of str, optional
+        As of :func:`make_report`; by default those of the model's kind of document.
+    progress : callable, optional
+        Called before each section with its name, the number of sections done and that of all.
+
+    Raises
+    ------
+    UsageError
+        No channel of the campaign shows a sensor of the model.
+    """
+    campaign = result.campaign
+    places = _places(campaign) if campaign.of_orders else {}
+    if not places and not campaign.of_responses:
+        raise UsageError(
+            "no channel of the campaign shows a sensor of the model: name one by sensor: for the report",
+            kind="unknown-channel",
+        )
+    model = campaign.model
+    own = campaign.plan.report or ReportPlan()
+    plan = _plan(campaign, own)
+    if places:
+        plan = replace(plan, measure=tuple(dict.fromkeys([*places.values(), *own.measure])))
+    model = Drivetrain.from_definition(replace(model.definition, report=plan))
+    names = {name: _configuration(campaign, entry.configuration) for name, entry in campaign.plan.records.items()}
+    measured = [
+        MeasuredFile(file, names[name], places[orders.name])
+        for name, record in result.records.items()
+        for file, orders in zip(record.files, record.orders, strict=False)  # the file of its responses comes last
+        if orders.name in places
+    ]
+    return make_report(
+        model,
+        configurations=dict.fromkeys(filter(None, names.values())),
+        sections=sections,
+        measured=measured,
+        tests=list(_campaign_tests(result, names)),
+        fits=[] if result.fit is None else [result.fit],
+        title=own.title or campaign.title,
+        template=campaign.folder / own.template if own.template else None,
+        progress=progress,
+    )
+
+
+def _plan(campaign: Campaign, own: ReportPlan) -> ReportPlan:
+    """Plan of the report: that of the model, but for the entries that the campaign has of its own."""
+    defaults = ReportPlan.defaults()
+    given = {key: value for key in defaults if (value := getattr(own, key)) != defaults[key]}
+    return replace(campaign.model.definition.report or ReportPlan(), **given)
+
+
+def _campaign_tests(result: CampaignResult, configurations: Mapping[str, str]) -> Iterator[Measured]:
+    """Yield the measured response of each record and output, under the names of output and input in the model."""
+    campaign, asked = result.campaign, result.campaign.plan.responses
+    for name, response in result.responses.items():
+        for measured, _ in response.pairs():
+            (output,), (into,) = measured.outputs, measured.inputs
+            renamed = replace(
+                measured,
+                outputs=(replace(output, name=campaign.model_outputs[output.name]),),
+                inputs=(replace(into, name=(asked.model_input if asked else "") or into.name),),
+            )
+            yield Measured(renamed, configurations[name], asked.excitation if asked else None)
+
+
+def _places(campaign: Campaign) -> Mapping[str, str]:
+    """Name in the model of the sensor that each channel shows, or the sensor written out, by channel."""
+    sensors = campaign.model.definition.sensors
+    named = {sensor: name for name, sensor in sensors.items()}
+    sensor_of_channel = {name: named_sensor(text, sensors) for name, text in campaign.sensors.items()}
+    return {name: named.get(sensor, str(sensor)) for name, sensor in sensor_of_channel.items() if sensor is not None}
+
+
+def _configuration(campaign: Campaign, name: str) -> str:
+    return campaign.model.configured(name).configuration if name else ""

@@ -25,7 +25,7 @@ from torsionnet.machinery.excitations.reciprocating_engine import (
     lost_harmonics,
 )
 from torsionnet.machinery.orders.order_solution import shaft_speeds
-from torsionnet.machinery.phasors.vector_sums import VectorSums, vector_sums
+from torsionnet.machinery.orders.vector_sums import VectorSums, vector_sums
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, WorstLimit
 from torsionnet.model.load.lost_torques import has_lost_cylinders
 from torsionnet.report.document_tree import Block, Cell, Heading, NumberText, Paragraph, Picture, TableBlock, TableGroup
@@ -390,7 +390,7 @@ def _name(name: str) -> str:
 
 def _vectors(subject: ReportData, case: Case, name: str) -> list[Block]:
     """Table of relative vector sums by order and mode, and the phase stars of the lowest modes."""
-    from torsionnet.plot.star_diagram_plot import phase_stars
+    from torsionnet.plot.interference_plot import phase_stars
 
     modes = subject.excited_modes[:MOST_MODES]
     sums = vector_sums(case.drivetrain, name, modes=modes)

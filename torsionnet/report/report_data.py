@@ -329,7 +329,7 @@ class ReportData:
     @cached_property
     def free_end_response(self) -> OrderResponse:
         """Response by order of the angle at the free end of the engine, in the normal condition."""
-        from torsionnet.report.free_end import free_end
+        from torsionnet.report.measured_orders import free_end
 
         drivetrain = self.normal_case.drivetrain
         return drivetrain.order_response(free_end(drivetrain.definition), refine=True)

@@ -9,7 +9,7 @@ from torsionnet.base.entries.scalars import QuantityKind, Value
 from torsionnet.base.expressions import Expression
 from torsionnet.base.number_text import aligned_numbers
 from torsionnet.base.phrases import joined, phrase
-from torsionnet.machinery.excitations.propeller_torque import PropellerTorque
+from torsionnet.machinery.excitations.harmonic_torque import PropellerTorque
 from torsionnet.machinery.excitations.reciprocating_engine import conditions_running_alone
 from torsionnet.machinery.orders.engine_angles import EngineAngle
 from torsionnet.machinery.orders.worst_response import WorstResponse
@@ -20,8 +20,7 @@ from torsionnet.model.overview import given
 from torsionnet.report.document_tree import Block, Cell, Heading, Inline, Listing, TableBlock, Text
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_text import as_words, capital, symbol_or_words, unit
-from torsionnet.report.report_units import quantity_text
+from torsionnet.report.report_text import as_words, capital, quantity_text, symbol_or_words, unit
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain

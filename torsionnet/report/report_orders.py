@@ -10,10 +10,10 @@ import numpy as np
 from torsionnet.base.number_text import MISSING_TYPESET, NumberText, aligned_numbers
 from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.units import RPM
-from torsionnet.machinery.excitations.propeller_torque import PropellerTorque
+from torsionnet.machinery.excitations.harmonic_torque import PropellerTorque
 from torsionnet.machinery.excitations.reciprocating_engine import ReciprocatingEngine
+from torsionnet.machinery.orders.excitation_lines import excitation_lines
 from torsionnet.machinery.orders.order_solution import shaft_speeds
-from torsionnet.machinery.phasors.excitation_lines import excitation_lines
 from torsionnet.report.document_tree import Cell, Heading, TableBlock
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_tables import table

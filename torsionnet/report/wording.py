@@ -1,4 +1,4 @@
-"""Replacement of a report's texts by other words: a company's own, or another language.
+"""Words of a report replaced by others: a company's own out of its template folder, or another language.
 
 The words that may be replaced are listed once, in ``texts.yaml`` beside this module, those of elements by their types;
 the sections know nothing of it.
@@ -12,13 +12,14 @@ from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
+from pathlib import Path
 from typing import ClassVar
 
 from torsionnet.base.entries.composite import Named, Nested, Typed
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import QuantityKind, Value
 from torsionnet.base.entries.spec import Count, EntryError, OneOf, Spec, Text, entry
-from torsionnet.base.errors import Fault, suggestion_or
+from torsionnet.base.errors import Fault, ModelError, Position, suggestion_or
 from torsionnet.base.number_text import UNBROKEN_PERCENT
 from torsionnet.base.phrases import PLACEHOLDER, Phrase
 from torsionnet.model.element_base.control_entries import ControlLawEntry
@@ -29,6 +30,8 @@ from torsionnet.model.element_base.stiffness_table import TableEntry
 from torsionnet.model.elements import ELEMENT_TYPES
 from torsionnet.model.files.located_yaml import compose
 from torsionnet.model.overview import has_own_column
+
+# Replacement of a report's texts by other words: a company's own, or another language.
 
 REPORTED_ENTRIES = (QuantityKind, Value, Teeth, Count, OneOf, TableEntry, Characteristic, QuantityRows, LookupCurve)
 """Kinds of entries that a report on a model has a row for; an entry of several values has a row for each."""
@@ -160,3 +163,48 @@ def _places_fault(needed: set[str], given: set[str]) -> str:
 
 def _braced(names: set[str]) -> str:
     return ", ".join(f"{{{name}}}" for name in sorted(names))
+
+
+# Content of a template folder, which holds the letterhead, style and wording of a company.
+
+STYLE = "style.css"
+"""Name of the file with the style sheet in a template folder."""
+
+
+class TemplateFolderError(ModelError):
+    """Error that a file in a template folder cannot be used."""
+
+    outcome = "Nothing was written."
+
+
+@dataclass(frozen=True)
+class TemplateFolder:
+    """Texts, images, wording and language that a template folder holds.
+
+    Attributes
+    ----------
+    path : Path
+    texts : mapping
+        ``page.html``, ``page.tex``, ``page.md`` and ``style.css``, those that are there.
+    images : mapping
+        Name -> bytes.
+    wording : Wording
+    language : str
+    """
+
+    path: Path = field(default_factory=Path)
+    texts: Mapping[str, str] = field(default_factory=dict)
+    images: Mapping[str, bytes] = field(default_factory=dict)
+    wording: Wording = field(default_factory=Wording)
+    language: str = "en"
+
+    def file(self, name: str) -> str:
+        """Path of a file of the template folder as messages name it."""
+        return str(self.path / name)
+
+    def position(self, name: str, line: int, column: int = 1) -> Position:
+        """Position of a fault in one of the template folder's texts, by line and column from 1."""
+        lines = self.texts[name].splitlines()
+        source = lines[line - 1] if 0 < line <= len(lines) else ""
+        first = column if column > 1 else len(source) - len(source.lstrip()) + 1
+        return Position(self.file(name), line, first, len(source) + 1 if column == 1 else column + 1, source)

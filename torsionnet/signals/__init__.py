@@ -27,7 +27,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "angle_from_pulses": "torsionnet.signals.encoder",
         "calibrate_wheel": "torsionnet.signals.rotation.wheel_calibration",
         "check_recording": "torsionnet.signals.recording_checks",
-        "decimate": "torsionnet.signals.decimation",
+        "decimate": "torsionnet.signals.resampling",
         "difference": "torsionnet.signals.comparison",
         "estimate": "torsionnet.signals.estimators",
         "frac": "torsionnet.signals.comparison",

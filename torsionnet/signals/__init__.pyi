@@ -5,7 +5,6 @@ from torsionnet.entry_classes import PulseReading as PulseReading
 from torsionnet.entry_classes import Wheel as Wheel
 from torsionnet.signals.comparison import difference as difference
 from torsionnet.signals.comparison import frac as frac
-from torsionnet.signals.decimation import decimate as decimate
 from torsionnet.signals.encoder import angle_from_pulses as angle_from_pulses
 from torsionnet.signals.encoder import unwrapped as unwrapped
 from torsionnet.signals.estimators import Step as Step
@@ -25,6 +24,7 @@ from torsionnet.signals.recording_checks import check_recording as check_recordi
 from torsionnet.signals.records.recording_files import iter_blocks as iter_blocks
 from torsionnet.signals.records.recording_files import read_recording as read_recording
 from torsionnet.signals.records.recording_files import write_recording as write_recording
+from torsionnet.signals.resampling import decimate as decimate
 from torsionnet.signals.resampling import resampled as resampled
 from torsionnet.signals.rotation.clock_drift import on_first_clock as on_first_clock
 from torsionnet.signals.rotation.clock_drift import rotation_clocks as rotation_clocks

@@ -9,8 +9,8 @@ from typing import Literal, TypeAlias, get_args
 import numpy as np
 
 from torsionnet.base.errors import UsageError, did_you_mean
-from torsionnet.signals.decimation import check_processable
 from torsionnet.signals.recording import FloatArray, Recording, Signal
+from torsionnet.signals.resampling import check_processable
 
 Ends: TypeAlias = Literal["mirror", "periodic"]
 MOTION_QUANTITIES = ("angle", "velocity", "acceleration")

@@ -15,8 +15,8 @@ from torsionnet.base.notes import Note, warning
 from torsionnet.linear.between_samples import course_remark
 from torsionnet.linear.estimation import Estimation
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
-from torsionnet.signals.decimation import Recordings, check_processable, decimate, stacked
 from torsionnet.signals.recording import FloatArray, Recording
+from torsionnet.signals.resampling import Recordings, check_processable, decimate, stacked
 from torsionnet.signals.spectra import ComplexArray, CrossSpectra, cross_spectra
 from torsionnet.signals.uncertainty import (
     ResolutionWatch,

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from torsionnet.base.errors import UsageError
 from torsionnet.linear.frequency_response import ComplexArray
-from torsionnet.signals.decimation import check_processable
 from torsionnet.signals.recording import FloatArray, Recording
+from torsionnet.signals.resampling import check_processable
 
 # Harmonics of a signal in a sweep, amplitude and phase of multiples of the sweep's frequency along it.
 

@@ -18,9 +18,16 @@ from torsionnet.base.errors import UsageError, did_you_mean
 from torsionnet.base.notes import NoteOrText
 from torsionnet.base.result_rows import NUMBER_ROWS, Out
 from torsionnet.linear.frequency_response import Channel
-from torsionnet.signals.decimation import Recordings, blocks_in_order, check_processable, decimate, decimated, stacked
 from torsionnet.signals.recording import FloatArray, Recording
-from torsionnet.signals.resampling import check_count
+from torsionnet.signals.resampling import (
+    Recordings,
+    blocks_in_order,
+    check_count,
+    check_processable,
+    decimate,
+    decimated,
+    stacked,
+)
 from torsionnet.signals.welch import Welch, effective_averages, without_trend
 
 # Matrix of averaged auto and cross spectral densities of signals over frequency.

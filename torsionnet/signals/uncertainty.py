@@ -12,8 +12,8 @@ from torsionnet.base.errors import UsageError, comma_list
 from torsionnet.base.notes import Note, warning
 from torsionnet.linear.estimation import Estimation
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
-from torsionnet.signals.decimation import VALID_SHARE
 from torsionnet.signals.recording import FloatArray, Recording
+from torsionnet.signals.resampling import VALID_SHARE
 from torsionnet.signals.spectra import CrossSpectra
 
 # Warnings about unreliable peaks of an estimated response, and the frequency up to which a sensor resolves motion.

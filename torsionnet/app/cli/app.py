@@ -186,12 +186,14 @@ FILES = {
     **dict.fromkeys(("library", "new", "check", "show"), "model_files"),
     **dict.fromkeys(("modes", "margins", "sensitivity", "frf"), "responses_and_modes"),
     **dict.fromkeys(("orders", "critical-speeds", "holzer"), "orders"),
-    **dict.fromkeys(("static", "simulate"), "under_load"),
+    **dict.fromkeys(("static", "simulate", "periodic"), "under_load"),
     **dict.fromkeys(("limits", "damper"), "limits_and_damper"),
     **dict.fromkeys(("export", "import"), "exchange"),
     **dict.fromkeys(("explore", "explain", "language-server"), "tools"),
     **dict.fromkeys(("estimate", "compare", "identify-modes"), "estimate"),
     **dict.fromkeys(("angle", "calibrate-wheel", "clocks"), "wheels"),
+    **dict.fromkeys(("damping", "loops", "spectrogram"), "findings"),
+    **dict.fromkeys(("fit", "study"), "fit_and_study"),
     **dict.fromkeys(("bench", "campaign"), "bench_and_campaign"),
 }
 """File in ``commands`` of each command that shares one with others; the rest stand in ``<command>_command``."""

@@ -23,12 +23,11 @@ from torsionnet.app.cli.options import (
 from torsionnet.app.cli.terminal import message, print_faults
 from torsionnet.base.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.base.notes import Note, about_channel, is_warning
-from torsionnet.signals.decimation import Recordings
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.recording_checks import check_recording
 from torsionnet.signals.records import recording_files
 from torsionnet.signals.records.recording_files import read_recording, read_tests
-from torsionnet.signals.resampling import resampled
+from torsionnet.signals.resampling import Recordings, resampled
 
 if TYPE_CHECKING:
     from torsionnet.signals.welch import Welch

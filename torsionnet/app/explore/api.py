@@ -75,7 +75,7 @@ def _complete(document: Document, request: PageRequest) -> Answer:
 
 
 def _hover(document: Document, request: PageRequest) -> Answer:
-    from torsionnet.app.text.outline import hover
+    from torsionnet.app.text.layout import hover
 
     asked = TextQuestion(document, request, "at")
     help_text = hover(*asked.place)
@@ -105,14 +105,14 @@ def _rename(document: Document, request: PageRequest) -> Answer:
 
 
 def _format(document: Document, request: PageRequest) -> Answer:
-    from torsionnet.app.text.formatting import formatted
+    from torsionnet.app.text.layout import formatted
 
     asked = TextQuestion(document, request)
     return {"edits": asked.counting.edits(formatted(asked.text))}
 
 
 def _outline(document: Document, request: PageRequest) -> Answer:
-    from torsionnet.app.text.outline import OutlineItem, outline
+    from torsionnet.app.text.layout import OutlineItem, outline
 
     asked = TextQuestion(document, request)
     counting = asked.counting
@@ -384,7 +384,7 @@ def pasted_model(table: str) -> dict[str, Any]:
 
 def _unit_asked(fault: Fault) -> dict[str, Any]:
     """Line and heading of a column without unit as JSON data, with the units that it may have."""
-    from torsionnet.app.text.completing.completion_values import units_of
+    from torsionnet.app.text.completion_values import units_of
 
     assert fault.position is not None
     return {"line": fault.position.line, "heading": fault.about, "units": list(units_of(fault.meant))}

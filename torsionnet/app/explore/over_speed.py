@@ -16,7 +16,7 @@ from torsionnet.base.errors import UsageError
 from torsionnet.base.units import RPM
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.linear.frequency_response import DERIVATIVE_ORDERS, Channel, FloatArray, FrequencyResponse
-from torsionnet.machinery.checks.limit_checks import limit_subject
+from torsionnet.machinery.checks.section_checks import limit_subject
 from torsionnet.machinery.limits import Limit
 from torsionnet.machinery.limits.evidence import LimitSubject
 from torsionnet.machinery.limits.shaft_limit import RoundSection

@@ -14,7 +14,7 @@ from torsionnet.app.text.tolerant_reading import tolerant_data
 from torsionnet.base.entries.declared import FORMAT_VERSION, KEY
 
 if TYPE_CHECKING:
-    from torsionnet.app.text.completing.completion_places import CompletionOption
+    from torsionnet.app.text.completion_places import CompletionOption
 
 MOST_OPTIONS = 1000
 """Largest number of options of one completion, as nobody looks through more."""
@@ -81,8 +81,8 @@ def completions(text: str, offset: int, file: str = "", folder: Path | None = No
 
 
 def _fitting(text: str, offset: int, context: CursorContext, folder: Path | None) -> Iterator[Completion]:
-    from torsionnet.app.text.completing.completion_places import ModelNames, Writing, entry_place, holds_entries
-    from torsionnet.app.text.completing.completion_values import key_options, value_options
+    from torsionnet.app.text.completion_places import ModelNames, Writing, entry_place, holds_entries
+    from torsionnet.app.text.completion_values import key_options, value_options
 
     word = text[context.word.start : offset]
     rest = _REST.match(text, offset) if word.strip() else None

@@ -23,7 +23,7 @@ from torsionnet.signals.comparison import at_good_lines, comparable_lines, diffe
 from torsionnet.signals.estimators import estimate
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.records.recording_files import read_even
-from torsionnet.signals.responses.response_files import read_frequency_response, write_frequency_response
+from torsionnet.signals.response_files import read_frequency_response, write_frequency_response
 from torsionnet.signals.uncertainty import random_error
 from torsionnet.signals.welch import Welch
 

@@ -27,7 +27,6 @@ from torsionnet.bench.campaign.campaign_file import (
 )
 from torsionnet.io.wheel_files import read_turning_record
 from torsionnet.signals.calculus import with_gain
-from torsionnet.signals.decimation import Recordings
 from torsionnet.signals.orders.cycle_average import CycleAverage
 from torsionnet.signals.orders.mean_rotation import mean_rotation
 from torsionnet.signals.orders.track_orders import PhaseMark, orders_of_test
@@ -36,6 +35,7 @@ from torsionnet.signals.orders.tracked_signals import Twist
 from torsionnet.signals.orders.vold_kalman import VoldKalman
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.records.recording_files import record_or_blocks
+from torsionnet.signals.resampling import Recordings
 from torsionnet.signals.rotation.counter import PulseReading
 from torsionnet.signals.rotation.rotations_of_wheels import rotations_of_wheels
 from torsionnet.signals.rotation.wheel_channel import counted_reading, wheel_pulses

@@ -1,6 +1,5 @@
 """Entries of a test bench: excitation or motion, sensors, data acquisition. The rig itself is a drivetrain."""
 
-from torsionnet.bench.plan.bench_motions import BenchMotion, CoastDown, GivenSpeed, RunDown, RunUp, SteadyPoints
 from torsionnet.bench.plan.parts import (
     Acquisition,
     Creep,
@@ -17,7 +16,7 @@ from torsionnet.bench.plan.parts import (
     Transducer,
     ZeroDrift,
 )
-from torsionnet.bench.plan.plan import Plan
+from torsionnet.bench.plan.plan import BenchMotion, CoastDown, GivenSpeed, Plan, RunDown, RunUp, SteadyPoints
 
 __all__ = [
     "Acquisition",

@@ -12,9 +12,8 @@ from torsionnet.base.entries.spec import EntryError, not_none
 from torsionnet.base.errors import EntryPath, Fault, UsageError, did_you_mean
 from torsionnet.base.expressions import Number
 from torsionnet.base.units import RPM
-from torsionnet.bench.plan.bench_motions import BenchMotion, CoastDown, GivenSpeed, RunUp, SteadyPoints
 from torsionnet.bench.plan.parts import Encoder, StrainGauge, ToothedWheel, Transducer
-from torsionnet.bench.plan.plan import Plan, Sensing
+from torsionnet.bench.plan.plan import BenchMotion, CoastDown, GivenSpeed, Plan, RunUp, Sensing, SteadyPoints
 from torsionnet.model.channels import Sensor, named_sensor
 from torsionnet.model.definition import all_nodes
 from torsionnet.model.elements import GROUND

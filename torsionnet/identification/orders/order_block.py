@@ -24,7 +24,7 @@ from torsionnet.identification.orders.parametric_orders import ParametricOrders,
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.residuals.noise import Noise, noise_between_lines
-from torsionnet.identification.residuals.response_block import STATED_ERROR_CERTAINTY
+from torsionnet.identification.residuals.response_blocks import STATED_ERROR_CERTAINTY
 from torsionnet.identification.residuals.sampled_response import Form
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray

@@ -16,10 +16,14 @@ from torsionnet.identification.plan.fit_entries import FitSettings
 from torsionnet.identification.residuals.equation_block import equation_block
 from torsionnet.identification.residuals.measurement import Instrument, Measurement, choose_instrument
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
-from torsionnet.identification.residuals.record_block import RecordBlock
-from torsionnet.identification.residuals.response_block import ResponseBlock, lowest_settled_frequency
-from torsionnet.identification.residuals.sampled_response import Form, between_samples, smoothing
-from torsionnet.identification.residuals.sensor_steps import SensorSteps, find_sensor_steps
+from torsionnet.identification.residuals.response_blocks import RecordBlock, ResponseBlock, lowest_settled_frequency
+from torsionnet.identification.residuals.sampled_response import (
+    Form,
+    SensorSteps,
+    between_samples,
+    find_sensor_steps,
+    smoothing,
+)
 from torsionnet.identification.residuals.stepped_block import stepped_block
 from torsionnet.identification.residuals.windowed_estimate import (
     MOST_ROW_BYTES,
@@ -31,9 +35,9 @@ from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.linear.sensitivity.parametric import ParametricResponse, parametric_response
-from torsionnet.signals.decimation import factor_for
 from torsionnet.signals.estimators import estimate
 from torsionnet.signals.recording import Recording
+from torsionnet.signals.resampling import factor_for
 from torsionnet.signals.stepped_levels import SteppedStiffness
 from torsionnet.signals.welch import PAPER, Welch
 

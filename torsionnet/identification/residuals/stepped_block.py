@@ -12,7 +12,7 @@ from torsionnet.base.errors import UsageError
 from torsionnet.identification.orders.parametric_orders import parameters_of_drivetrain
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.noise import Noise, noise_between_lines
-from torsionnet.identification.residuals.response_block import ResponseBlock
+from torsionnet.identification.residuals.response_blocks import ResponseBlock
 from torsionnet.identification.residuals.sampled_response import Form, parts
 from torsionnet.identification.residuals.stepped_curve import SteppedCurve, stepped_curve
 from torsionnet.linear.assembly.assembled import AssembledModel

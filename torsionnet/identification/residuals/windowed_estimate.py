@@ -23,8 +23,8 @@ from torsionnet.base.errors import UsageError
 from torsionnet.identification.residuals.measurement import Instrument, without_background
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.between_samples import BetweenSamples
-from torsionnet.signals.decimation import check_processable, decimate
 from torsionnet.signals.recording import Recording
+from torsionnet.signals.resampling import check_processable, decimate
 from torsionnet.signals.welch import Welch, without_trend
 
 # Lines (Fourier coefficients) of a signal's windows, and linear maps from a record to weighted sums of them.

@@ -27,7 +27,7 @@ from torsionnet.machinery.design.damper_design import AS_MODELLED, with_dampers
 from torsionnet.machinery.excitations import OrderExcitation, OrderTorques
 from torsionnet.machinery.orders.order_line import OrderLine
 from torsionnet.machinery.orders.order_solution import input_senses, orders_at_speeds, with_motions_held
-from torsionnet.machinery.phasors.vector_sums import generalised_force, star_diagram
+from torsionnet.machinery.orders.vector_sums import generalised_force, star_diagram
 from torsionnet.machinery.verdicts.margin_rules import MarginRule, margin_rule
 from torsionnet.model.channels import Channels
 from torsionnet.model.operating_values import operating_speed_notes

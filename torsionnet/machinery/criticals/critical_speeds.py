@@ -20,7 +20,7 @@ from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import Channel
 from torsionnet.linear.modes.mode_pairs import VibrationMode
 from torsionnet.machinery.orders.order_line import OrderLine
-from torsionnet.machinery.phasors.vector_sums import StarDiagram
+from torsionnet.machinery.orders.vector_sums import StarDiagram
 from torsionnet.machinery.verdicts.margin_rules import MarginRule
 
 NEGLIGIBLE_FORCE = 1e-9

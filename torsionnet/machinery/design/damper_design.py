@@ -36,8 +36,15 @@ from torsionnet.machinery.design.damper_optimum import (
     LevelCurve,
     LevelPeak,
 )
-from torsionnet.machinery.design.levels import Levels, OrderLevels, ReceptanceLevels, VariedModel
-from torsionnet.machinery.design.minimax import Box, largest, smallest_maximum
+from torsionnet.machinery.design.level_minimax import (
+    Box,
+    Levels,
+    OrderLevels,
+    ReceptanceLevels,
+    VariedModel,
+    largest,
+    smallest_maximum,
+)
 from torsionnet.machinery.orders.order_solution import orders_at_speeds
 from torsionnet.machinery.orders.refined_response import ExaminedSpeeds
 from torsionnet.model.channels import Sensor

@@ -17,8 +17,13 @@ from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
 from torsionnet.machinery.limits.limit import NOT_EXAMINED, PASSING_TIME, TOLERANCE, LimitLine, register_rule
 from torsionnet.machinery.limits.m68_factors import CAPS, usual_range
-from torsionnet.machinery.limits.shaft_limit import ShaftLimit
-from torsionnet.machinery.limits.society_rules import SET_SOCIETIES, SOCIETIES, GeneratingSetNumbers, SocietyName
+from torsionnet.machinery.limits.shaft_limit import (
+    SET_SOCIETIES,
+    SOCIETIES,
+    GeneratingSetNumbers,
+    ShaftLimit,
+    SocietyName,
+)
 from torsionnet.machinery.orders.speed_refinement import vertex_speed
 from torsionnet.machinery.verdicts.limit_verdict import FAIL, PASS, LimitVerdict, RuleText
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, joined_spans, range_end_remarks, spans_above

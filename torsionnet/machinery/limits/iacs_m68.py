@@ -43,8 +43,7 @@ from torsionnet.machinery.limits.m68_factors import (
     permissible,
     size_factor,
 )
-from torsionnet.machinery.limits.shaft_limit import RoundSection
-from torsionnet.machinery.limits.society_rules import SHAFT_SOCIETIES, SOCIETIES, Society, SocietyName
+from torsionnet.machinery.limits.shaft_limit import SHAFT_SOCIETIES, SOCIETIES, RoundSection, Society, SocietyName
 from torsionnet.machinery.verdicts.limit_verdict import FAIL, LimitVerdict, RuleText
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, restriction_words
 

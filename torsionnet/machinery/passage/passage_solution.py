@@ -30,9 +30,16 @@ from torsionnet.machinery.orders.order_line import OrderLine, greatest_common_di
 from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.machinery.orders.order_solution import OrderRequest, orders_at_speeds, settled_values
 from torsionnet.machinery.orders.synthesis import common_cycle
-from torsionnet.machinery.passage.exponential_steps import Matrices, SteppedForm, gauss_points
 from torsionnet.machinery.passage.passage_response import PassageResponse
-from torsionnet.machinery.passage.passage_torques import ExcitationCase, PassageTorques, highest_rate, lines_that_matter
+from torsionnet.machinery.passage.passage_torques import (
+    ExcitationCase,
+    Matrices,
+    PassageTorques,
+    SteppedForm,
+    gauss_points,
+    highest_rate,
+    lines_that_matter,
+)
 from torsionnet.model.channels import Channels, Input, Sensor
 from torsionnet.model.operating_values import running_notes
 

@@ -18,7 +18,7 @@ from torsionnet.base.phrases import phrase
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.table_range import range_notes
 from torsionnet.linear.frequency_response import FloatArray
-from torsionnet.machinery.checks.limit_checks import limit_subject
+from torsionnet.machinery.checks.section_checks import limit_subject
 from torsionnet.machinery.excitations.engine_entries import EngineEntries
 from torsionnet.machinery.excitations.reciprocating_engine import running_engines_text
 from torsionnet.machinery.excitations.speed_range import StartingRange
@@ -33,7 +33,7 @@ from torsionnet.machinery.orders.refined_response import ExaminedSpeeds, merged_
 from torsionnet.machinery.orders.speed_refinement import refine_speeds, speeds_to_refine
 from torsionnet.machinery.orders.worst_response import WorstResponse
 from torsionnet.machinery.passage.passage_solution import passage_response
-from torsionnet.machinery.verdicts.limit_check import LimitCheck
+from torsionnet.machinery.verdicts.limit_check import LimitCheck, PassedLimit, RunUpCheck
 from torsionnet.machinery.verdicts.limit_verdict import (
     FAIL,
     OPEN,
@@ -44,7 +44,6 @@ from torsionnet.machinery.verdicts.limit_verdict import (
     without_contradictions,
     without_narrow_windows,
 )
-from torsionnet.machinery.verdicts.run_up_check import PassedLimit, RunUpCheck
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, spans_above
 from torsionnet.model.channels import Sensor
 from torsionnet.model.definition import Definition, with_tangents

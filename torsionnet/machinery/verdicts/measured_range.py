@@ -16,7 +16,7 @@ from torsionnet.base.table import Table, result_table
 from torsionnet.base.units import RPM
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.frequency_response import FloatArray
-from torsionnet.machinery.checks.limit_checks import limit_subject
+from torsionnet.machinery.checks.section_checks import limit_subject
 from torsionnet.machinery.verdicts.limit_check import LimitCheck
 from torsionnet.machinery.verdicts.limit_verdict import LimitVerdict
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, spans_above, utilisation_of

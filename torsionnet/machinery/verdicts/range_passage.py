@@ -16,7 +16,7 @@ from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Table, result_table
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.frequency_response import FloatArray
-from torsionnet.machinery.checks.limit_checks import limit_subject
+from torsionnet.machinery.checks.section_checks import limit_subject
 from torsionnet.machinery.mean.mean_solution import means_of
 from torsionnet.machinery.passage.passage_response import PassageResponse
 from torsionnet.machinery.passage.passage_solution import passage_response

@@ -9,8 +9,8 @@ import numpy as np
 from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.base.notes import NoteOrText, warning
 from torsionnet.base.number_text import screen_text
+from torsionnet.modal.operational.ambient_modes import NORMAL_95, OperationalModes
 from torsionnet.modal.operational.decay_fit import ExponentialFit, fit_exponentials
-from torsionnet.modal.operational.operational_modes import NORMAL_95, OperationalModes
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
 from torsionnet.signals.recording import Recording
 

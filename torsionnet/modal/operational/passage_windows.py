@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.base.errors import SolveError, UsageError
-from torsionnet.modal.operational.operational_modes import NORMAL_95
+from torsionnet.modal.operational.ambient_modes import NORMAL_95
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
 from torsionnet.signals.orders.tracked_orders import TrackedOrders, TrackingKernel
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.base.notes import NoteOrText, warning
-from torsionnet.modal.operational.operational_modes import OperationalModes
+from torsionnet.modal.operational.ambient_modes import OperationalModes
 from torsionnet.modal.operational.passage_windows import PassageWindows, passage_windows, tracked_windows
 from torsionnet.modal.operational.run_up_fit import (
     DERIVATIVES,

@@ -16,8 +16,15 @@ from typing import Literal
 import numpy as np
 
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
-from torsionnet.motion.periodic.harmonic_balance import fitted, packed, unpacked
-from torsionnet.motion.periodic.periodic_problem import LEFT_OUT, MORE, PeriodicMotion, PeriodicProblem
+from torsionnet.motion.periodic.periodic_problem import (
+    LEFT_OUT,
+    MORE,
+    PeriodicMotion,
+    PeriodicProblem,
+    fitted,
+    packed,
+    unpacked,
+)
 
 FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 0.02, 0.08, 1e-7
 """Lengths of steps along a branch, over the parameter and the size of the motion."""

@@ -27,8 +27,7 @@ from torsionnet.motion.contact_states import Contact, ContactStates, relative_st
 from torsionnet.motion.march_tables import guard_rows, in_steps
 from torsionnet.motion.motion_plant import Drive, Layout, MotionPlant
 from torsionnet.motion.motion_record import reading_plan, reading_rows
-from torsionnet.motion.periodic.harmonic_balance import over_time, samples
-from torsionnet.motion.periodic.periodic_problem import PeriodicMotion, PeriodicProblem
+from torsionnet.motion.periodic.periodic_problem import PeriodicMotion, PeriodicProblem, over_time, samples
 
 BLOCK = 16
 """Looks that are taken together."""

@@ -25,9 +25,8 @@ from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.motion.contact_form import contact_form, relative_form
 from torsionnet.motion.motion_plant import Drive, Layout, MotionPlant
 from torsionnet.motion.periodic.contact_passage import without_turning
-from torsionnet.motion.periodic.harmonic_balance import over_time, samples
 from torsionnet.motion.periodic.law_forces import PieceForce, SliderForce
-from torsionnet.motion.periodic.periodic_problem import PeriodicMotion, PeriodicProblem
+from torsionnet.motion.periodic.periodic_problem import PeriodicMotion, PeriodicProblem, over_time, samples
 
 STEPS_PER_HARMONIC, FEWEST_STEPS = 16, 512
 """Steps of Magnus's method in a period over the harmonics, and at least."""

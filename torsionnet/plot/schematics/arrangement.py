@@ -21,9 +21,7 @@ from torsionnet.base.registers import RecentResults
 from torsionnet.model.elements import Element
 from torsionnet.plot.drawing.labels import value_lines
 from torsionnet.plot.drawing.pieces import LEADING, ROLES, Box, Label, Piece, Stroke, text_width
-from torsionnet.plot.schematics.branch_lines import UP_IF, Branch, BranchStart
-from torsionnet.plot.schematics.drawing_plan import MOST_NAMED_NODES, DrawingPlan, disc_sizes, make_plan
-from torsionnet.plot.schematics.glyphs import inline_glyph
+from torsionnet.plot.schematics.drawing_plan import MOST_NAMED_NODES, DrawingPlan, disc_sizes, make_plan, wrap_text
 from torsionnet.plot.schematics.line_routes import (
     BranchWidth,
     LineRoute,
@@ -34,9 +32,9 @@ from torsionnet.plot.schematics.line_routes import (
 )
 from torsionnet.plot.schematics.outlines import POINTS_PER_INCH
 from torsionnet.plot.schematics.shaft_lines import ShaftLine
-from torsionnet.plot.schematics.taps import wrap_text
+from torsionnet.plot.schematics.symbols import inline_glyph
 from torsionnet.plot.schematics.topology import Link, Tree, Vertex
-from torsionnet.plot.schematics.wiring import draw_loops
+from torsionnet.plot.schematics.wires import UP_IF, Branch, BranchStart, draw_loops
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain

@@ -10,7 +10,11 @@ from torsionnet.model.elements import GROUND, Element
 from torsionnet.plot.drawing.labels import symbol
 from torsionnet.plot.drawing.pieces import LEADING, ROLES, Box, Owner, Piece, Stroke, Texts, label_width, text_width
 from torsionnet.plot.schematics import outlines, symbols
-from torsionnet.plot.schematics.branch_lines import (
+from torsionnet.plot.schematics.drawing_plan import Mark
+from torsionnet.plot.schematics.outlines import Glyph
+from torsionnet.plot.schematics.symbols import far_end
+from torsionnet.plot.schematics.topology import Link, Vertex
+from torsionnet.plot.schematics.wires import (
     ELBOW,
     Branch,
     BranchStart,
@@ -19,10 +23,6 @@ from torsionnet.plot.schematics.branch_lines import (
     place_branches,
     wheel_ratio,
 )
-from torsionnet.plot.schematics.outlines import Glyph
-from torsionnet.plot.schematics.symbols import far_end
-from torsionnet.plot.schematics.taps import Mark
-from torsionnet.plot.schematics.topology import Link, Vertex
 
 if TYPE_CHECKING:
     from torsionnet.plot.schematics.drawing_plan import DrawingPlan

@@ -17,11 +17,10 @@ from torsionnet.plot.drawing.labels import axis_unit
 from torsionnet.plot.drawing.style import GivenAxes
 from torsionnet.plot.study.study_axes import axis_label, is_wide, legend_below, log_axis, parameter_rows, text_rows
 from torsionnet.study.design.best_damper import DamperOverConditions
-from torsionnet.study.design.design_goals import DesignObjective
-from torsionnet.study.design.design_optimum import DesignOptimum
+from torsionnet.study.design.design_goals import DesignObjective, DesignOptimum
 from torsionnet.study.design.pareto import ParetoFront
 from torsionnet.study.design.robust_optimum import RobustOptimum
-from torsionnet.study.shown_units import IN_SI, ShownUnits
+from torsionnet.study.study import IN_SI, ShownUnits
 
 # Plots of design optima, parameters within bounds, dampers over conditions, Pareto fronts and robust optima.
 

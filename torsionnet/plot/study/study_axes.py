@@ -16,8 +16,8 @@ from torsionnet.base.number_text import typeset_unit, unit_in_brackets
 from torsionnet.plot.drawing.labels import symbol
 from torsionnet.plot.drawing.pieces import text_width
 from torsionnet.plot.drawing.style import GivenAxes, bar_panels, name_rows
+from torsionnet.plot.schematics.drawing_plan import wrap_text
 from torsionnet.plot.schematics.outlines import POINTS_PER_INCH
-from torsionnet.plot.schematics.taps import wrap_text
 
 WITHIN_COLOR, BEYOND_COLOR = style.PALETTE[0], style.LIMIT_COLOR
 DECADE = 10.0

@@ -30,7 +30,7 @@ def loops_section(subject: ReportData) -> Section:
 
 
 def _record(subject: ReportData, loops: TorqueLoops, number: int) -> Iterator[Block]:
-    from torsionnet.plot.loops_plot import torque_loops
+    from torsionnet.plot.signal_plots import torque_loops
 
     caption = phrase(CAPTION, torque=loops.torque, twist=loops.twist)
     drawn = torque_loops(loops, conventions=subject.conventions, title="")

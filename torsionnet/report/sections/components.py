@@ -9,18 +9,24 @@ import numpy as np
 from torsionnet.base.entries.spec import not_none
 from torsionnet.base.number_text import aligned_numbers
 from torsionnet.base.phrases import joined, phrase
-from torsionnet.machinery.checks.limit_checks import limit_subject
+from torsionnet.machinery.checks.section_checks import limit_subject
 from torsionnet.machinery.limits.coupling import temperature_words
 from torsionnet.machinery.limits.curve import CurveLimit, crankshaft_throws
 from torsionnet.machinery.limits.evidence import LimitSubject
 from torsionnet.machinery.limits.iacs_m68 import IacsM68
 from torsionnet.machinery.limits.m68_factors import BORE
-from torsionnet.machinery.limits.society_rules import in_all_words
+from torsionnet.machinery.limits.shaft_limit import in_all_words
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, WorstLimit
 from torsionnet.machinery.verdicts.limit_verdict import RuleFactor, RuleSymbol, RuleWords
 from torsionnet.machinery.verdicts.speed_spans import utilisation_of
 from torsionnet.model.channels import Sensor
-from torsionnet.report.component_uses import GROUPS, ComponentUse, component_uses
+from torsionnet.report.component_uses import (
+    GROUPS,
+    ComponentUse,
+    component_uses,
+    cyclic_irregularities,
+    rated_elsewhere,
+)
 from torsionnet.report.condition_tables import condition_cell, without_empty
 from torsionnet.report.document_tree import (
     Block,
@@ -37,11 +43,9 @@ from torsionnet.report.document_tree import (
     TableGroup,
     Text,
 )
-from torsionnet.report.rated_conditions import cyclic_irregularities, rated_elsewhere
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_text import as_words, capital, unit
-from torsionnet.report.report_units import FACTOR_UNITS, engineering_unit
+from torsionnet.report.report_text import FACTOR_UNITS, as_words, capital, engineering_unit, unit
 from torsionnet.symbolic.symbol_names import GREEK
 
 MOST_SHAFTS = 4

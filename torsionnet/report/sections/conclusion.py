@@ -30,11 +30,9 @@ from torsionnet.report.document_tree import (
     Text,
 )
 from torsionnet.report.report_data import Case, ReportData, is_damped
-from torsionnet.report.report_instructions import instruction_blocks
-from torsionnet.report.report_run_up import run_up_blocks
+from torsionnet.report.report_instructions import instruction_blocks, run_up_blocks
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_text import as_words, capital, in_clauses, pair_latex, symbol_or_words, unit
-from torsionnet.report.report_units import limit_scale
+from torsionnet.report.report_text import as_words, capital, in_clauses, limit_scale, pair_latex, symbol_or_words, unit
 from torsionnet.report.sections.conditions import lacking_conditions
 from torsionnet.report.sections.limits_and_passage import conclusion, judged_words, verdict
 from torsionnet.report.sections.resonances import missed_margins

@@ -36,9 +36,8 @@ from torsionnet.report.document_tree import (
     TableBlock,
     Text,
 )
-from torsionnet.report.formula_widths import expression_latex
 from torsionnet.report.report_data import Case, ReportData, titles_of
-from torsionnet.report.report_tables import shown_cells, table
+from torsionnet.report.report_tables import expression_latex, shown_cells, table
 from torsionnet.report.report_text import as_words, first_names, symbol_or_words, unit
 from torsionnet.report.wording import REPORTED_ENTRIES
 

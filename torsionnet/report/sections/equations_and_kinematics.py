@@ -26,9 +26,8 @@ from torsionnet.report.document_tree import (
     TableBlock,
     Text,
 )
-from torsionnet.report.formula_widths import WIDEST_FORMULA, WIDEST_MATRIX, formula_letters, matrix_letters
 from torsionnet.report.report_data import FEW_CASES, MOST_SYMBOLIC, Case, ReportData, SymbolicEquations, titles_of
-from torsionnet.report.report_tables import table
+from torsionnet.report.report_tables import WIDEST_FORMULA, WIDEST_MATRIX, formula_letters, matrix_letters, table
 from torsionnet.report.report_text import as_words, first_names
 from torsionnet.symbolic.equations import (
     bracketed_matrix,

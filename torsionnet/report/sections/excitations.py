@@ -15,8 +15,8 @@ from torsionnet.base.entries.spec import Spec
 from torsionnet.base.number_text import MISSING_TYPESET, aligned_numbers
 from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM, expected_unit
+from torsionnet.machinery.excitations.harmonic_torque import PropellerTorque
 from torsionnet.machinery.excitations.pressure_trace import PressureTrace
-from torsionnet.machinery.excitations.propeller_torque import PropellerTorque
 from torsionnet.machinery.excitations.reciprocating_engine import ReciprocatingEngine
 from torsionnet.machinery.excitations.table_by_pressure import TableByPressure
 from torsionnet.machinery.orders.order_solution import shaft_speeds

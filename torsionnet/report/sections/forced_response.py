@@ -18,7 +18,7 @@ from torsionnet.machinery.verdicts.limit_verdict import LimitVerdict
 from torsionnet.machinery.verdicts.order_peaks import (
     vibratory_verdicts,
 )
-from torsionnet.motion.motion_summary import energy_table, event_table, peak_table
+from torsionnet.motion.motion_record import energy_table, event_table, peak_table
 from torsionnet.report.condition_tables import condition_cell, further_response, normal_response, orders_cell
 from torsionnet.report.document_tree import (
     Block,
@@ -38,8 +38,16 @@ from torsionnet.report.report_data import FEW_CASES, MOST_OUTPUTS, Case, ReportD
 from torsionnet.report.report_machines import engine_angle_tables, engine_remarks
 from torsionnet.report.report_orders import highest_orders
 from torsionnet.report.report_tables import results_table, table
-from torsionnet.report.report_text import as_words, capital, criterion_cell, symbol_or_words, unit
-from torsionnet.report.report_units import DIGITS, limit_number, limit_unit
+from torsionnet.report.report_text import (
+    DIGITS,
+    as_words,
+    capital,
+    criterion_cell,
+    limit_number,
+    limit_unit,
+    symbol_or_words,
+    unit,
+)
 
 MOST_PANELS = 6
 """Largest number of components in one picture, three rows of two: more would not fit a page with their caption."""

@@ -28,9 +28,8 @@ from torsionnet.report.document_tree import (
     TableBlock,
     Text,
 )
-from torsionnet.report.formula_widths import WIDEST_FORMULA, formula_letters
 from torsionnet.report.report_data import FEW_CASES, MOST_SYMBOLIC, Case, ReportData, SymbolicEquations, titles_of
-from torsionnet.report.report_tables import table
+from torsionnet.report.report_tables import WIDEST_FORMULA, formula_letters, table
 from torsionnet.report.report_text import capital, first_names, pair_latex, quotient_latex, sentence, unit
 from torsionnet.symbolic.algebra.delay import delays_of
 from torsionnet.symbolic.equations import sum_terms

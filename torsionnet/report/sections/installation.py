@@ -34,8 +34,7 @@ from torsionnet.report.report_cylinders import all_working
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_machines import machines
 from torsionnet.report.report_tables import HEADING_SYMBOLS, results_table, table
-from torsionnet.report.report_text import as_words, capital, first_names, operating_speed_sentence, unit
-from torsionnet.report.report_units import quantity_text
+from torsionnet.report.report_text import as_words, capital, first_names, operating_speed_sentence, quantity_text, unit
 
 MOST_LOADS = 3
 """Largest number of unlike loads whose torques along the line are listed, half a page each."""

@@ -33,8 +33,16 @@ from torsionnet.report.report_data import MOST_CASES, ReportData
 from torsionnet.report.report_instructions import instruction_blocks
 from torsionnet.report.report_machines import engine_remarks
 from torsionnet.report.report_tables import results_table, table, with_kilo_units
-from torsionnet.report.report_text import as_words, capital, criterion_words, in_clauses, unit
-from torsionnet.report.report_units import DIGITS, limit_scale, limit_unit
+from torsionnet.report.report_text import (
+    DIGITS,
+    as_words,
+    capital,
+    criterion_words,
+    in_clauses,
+    limit_scale,
+    limit_unit,
+    unit,
+)
 
 MOST_DRAWN = 8
 """Largest number of limits that a report draws over speed, each in its worst condition."""

@@ -16,8 +16,8 @@ from torsionnet.base.number_text import NumberText, aligned_numbers
 from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.units import RPM
 from torsionnet.io.tracked_order_tables import is_tracked_table, read_tracked_orders, tracked_channel
-from torsionnet.machinery.checks.limit_checks import limit_subject
-from torsionnet.machinery.criticals.planned_amplitudes import (
+from torsionnet.machinery.checks.section_checks import limit_subject
+from torsionnet.machinery.criticals.speed_peaks import (
     SAME_SPEED,
     PlannedAmplitude,
     PlannedSpeed,
@@ -53,8 +53,7 @@ from torsionnet.report.measurement_places import (
 from torsionnet.report.report_cylinders import governing_misfire, in_words_of
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_text import as_words, capital, unit
-from torsionnet.report.report_units import engineering_unit
+from torsionnet.report.report_text import as_words, capital, engineering_unit, unit
 from torsionnet.signals.orders.tracked_orders import MeasuredOrder
 
 if TYPE_CHECKING:

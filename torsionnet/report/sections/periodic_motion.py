@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from torsionnet.base.number_text import aligned_numbers
 from torsionnet.base.phrases import phrase
 from torsionnet.machinery.orders.refined_response import is_periodic
-from torsionnet.motion.periodic.periodic_orders import PeriodicOrders
+from torsionnet.motion.periodic.periodic_response import PeriodicOrders
 from torsionnet.motion.periodic.periodic_result import FoundMotion, PeriodicResponse
 from torsionnet.report.document_tree import Block, Cell, Heading, Paragraph, Picture, Remark, Section, TableBlock
 from torsionnet.report.report_data import FEW_CASES, Case, ReportData
@@ -50,7 +50,7 @@ def periodic_motions_section(subject: ReportData) -> Section | None:
 
 def _motions(subject: ReportData, case: Case, run: PeriodicOrders) -> Iterator[Block]:
     """Blocks of the report on the motions of one configuration: branches drawn, jumps, and what is not known."""
-    from torsionnet.plot.periodic_plot import periodic_response
+    from torsionnet.plot.order_response_plot import periodic_response
 
     several = case.title and len(subject.cases) > 1
     where = phrase(" in configuration {name}", name=case.title) if several else ""

@@ -26,8 +26,8 @@ from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import in_shown_units, results_table, table
 from torsionnet.report.report_text import capital, first_names, sentence, symbol_or_words, unit
 from torsionnet.study.run.answering import study_for_answers
-from torsionnet.study.shown_units import ShownUnits, shown_units
 from torsionnet.study.space.variations.variation import NominalReader, nominals
+from torsionnet.study.study import ShownUnits, shown_units
 from torsionnet.study.study_result import read_notes
 
 if TYPE_CHECKING:

@@ -28,8 +28,7 @@ from torsionnet.report.document_tree import (
     TitleTable,
 )
 from torsionnet.report.wording import Wording
-from torsionnet.report.writers.inline import InlineWriter
-from torsionnet.report.writers.table_layout import TableLayout
+from torsionnet.report.writers.table_layout import InlineWriter, TableLayout
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,7 @@ import numpy as np
 from torsionnet.base.atomic import write_bytes
 from torsionnet.base.errors import MissingExtraError
 from torsionnet.report.document_tree import BreakableMath, Picture, Report, Section, Text, TitleTable
-from torsionnet.report.template_folder import TemplateFolder
-from torsionnet.report.wording import Wording
+from torsionnet.report.wording import TemplateFolder, Wording
 from torsionnet.report.writers.blocks import BlockWriter, CountedLabel
 from torsionnet.report.writers.docx_text import (
     HEADINGS,

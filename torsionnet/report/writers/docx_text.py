@@ -13,8 +13,15 @@ from xml.etree import ElementTree as ET
 from torsionnet.report.document_tree import TableGroup, Text, TitleTable
 from torsionnet.report.writers.blocks import CountedLabel
 from torsionnet.report.writers.html import escaped, mathml
-from torsionnet.report.writers.inline import LONGEST_WORD, InlineWriter, signed_pieces
-from torsionnet.report.writers.table_layout import SIZES, Piece, TableLayout, piece_letters
+from torsionnet.report.writers.table_layout import (
+    LONGEST_WORD,
+    SIZES,
+    InlineWriter,
+    Piece,
+    TableLayout,
+    piece_letters,
+    signed_pieces,
+)
 
 # Formulas of Word documents (OMML), from the MathML of formulas that are written in LaTeX.
 

@@ -28,8 +28,7 @@ from torsionnet.report.document_tree import (
     TitleTable,
 )
 from torsionnet.report.writers.blocks import CountedLabel
-from torsionnet.report.writers.inline import InlineWriter
-from torsionnet.report.writers.table_layout import Piece, PlacedColumn, TableLayout
+from torsionnet.report.writers.table_layout import InlineWriter, Piece, PlacedColumn, TableLayout
 from torsionnet.report.writers.templating import SHIPPED, PageWriter
 
 MEDIA_TYPES = {".svg": "image/svg+xml", ".png": "image/png", ".jpg": "image/jpeg", ".jpeg": "image/jpeg"}

@@ -32,8 +32,17 @@ from torsionnet.report.document_tree import (
     TitleTable,
 )
 from torsionnet.report.writers.blocks import CountedLabel
-from torsionnet.report.writers.inline import LONGEST_WORD, InlineWriter, signed_pieces
-from torsionnet.report.writers.table_layout import MATRIX_LETTERS, PAGE_LETTERS, SIZES, Piece, TableLayout, is_matrix
+from torsionnet.report.writers.table_layout import (
+    LONGEST_WORD,
+    MATRIX_LETTERS,
+    PAGE_LETTERS,
+    SIZES,
+    InlineWriter,
+    Piece,
+    TableLayout,
+    is_matrix,
+    signed_pieces,
+)
 from torsionnet.report.writers.templating import BesideWriter
 from torsionnet.symbolic import symbol_names
 

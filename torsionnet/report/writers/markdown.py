@@ -17,8 +17,7 @@ from torsionnet.report.document_tree import (
     TitleTable,
 )
 from torsionnet.report.writers.blocks import CountedLabel
-from torsionnet.report.writers.inline import InlineWriter
-from torsionnet.report.writers.table_layout import TableLayout
+from torsionnet.report.writers.table_layout import InlineWriter, TableLayout
 from torsionnet.report.writers.templating import BesideWriter
 
 _MARKS = re.compile(r"([\\`*_{}\[\]<>#|$~&])")

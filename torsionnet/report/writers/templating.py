@@ -24,7 +24,7 @@ from markupsafe import Markup
 from torsionnet.base.atomic import write_bytes, write_text
 from torsionnet.base.errors import Fault, suggestion_or
 from torsionnet.report.document_tree import Inline, Picture, Report
-from torsionnet.report.template_folder import STYLE, TemplateFolder, TemplateFolderError
+from torsionnet.report.wording import STYLE, TemplateFolder, TemplateFolderError
 from torsionnet.report.writers.blocks import BlockWriter
 
 SHIPPED = files("torsionnet.report.writers") / "templates"

@@ -18,7 +18,7 @@ from collections.abc import Generator, Iterator, Sequence
 from pathlib import Path
 from typing import Any, TextIO
 
-import torsionnet.signals.foreign.resource_limits as resource_limits
+import torsionnet.signals.foreign.content as resource_limits
 from torsionnet.signals.foreign.content import Content, ForeignFileError, count_samples
 
 LONGEST_MESSAGE = 300

@@ -13,7 +13,7 @@ from pathlib import Path
 from struct import Struct, error
 from typing import Any, BinaryIO
 
-import torsionnet.signals.foreign.resource_limits as resource_limits
+import torsionnet.signals.foreign.content as resource_limits
 from torsionnet.signals.foreign.content import COMPLEX, ROW, Content, ForeignFileError, Plain, memory_content
 
 MOST_STRUCTURES = 64

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import torsionnet.signals.foreign.resource_limits as resource_limits
+import torsionnet.signals.foreign.content as resource_limits
 from torsionnet.signals.foreign.content import Content, Plain, memory_content
 
 if TYPE_CHECKING:

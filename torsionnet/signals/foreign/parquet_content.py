@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import torsionnet.signals.foreign.resource_limits as resource_limits
+import torsionnet.signals.foreign.content as resource_limits
 from torsionnet.signals.foreign.content import Blocks, Content, Plain, StoredArray, plain_attributes
 
 if TYPE_CHECKING:

@@ -13,15 +13,15 @@ from torsionnet.signals.formats.extras import import_extra, open_foreign
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.records.arrays import array_source, with_left_out
 from torsionnet.signals.records.exported_structures import structured_source, unknown_structures
-from torsionnet.signals.records.recording_description import (
+from torsionnet.signals.records.source import (
     KEY,
+    Source,
     channel_names,
     plain_keys,
     recording_json,
     saved_columns,
 )
-from torsionnet.signals.records.source import Source
-from torsionnet.signals.responses.response_description import refuse_response
+from torsionnet.signals.response_description import refuse_response
 
 CHUNK_LENGTH = 65536
 """Samples of a chunk of an HDF5 dataset, 0.5 MB, so that parts of a long recording can be read without the rest."""

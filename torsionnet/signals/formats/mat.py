@@ -17,6 +17,7 @@ import numpy as np
 from torsionnet.base.atomic import write_bytes
 from torsionnet.base.errors import UsageError
 from torsionnet.linear.frequency_response import FrequencyResponse
+from torsionnet.signals import response_description
 from torsionnet.signals.foreign import Content
 from torsionnet.signals.foreign.content import ROW
 from torsionnet.signals.formats import hdf5
@@ -24,17 +25,16 @@ from torsionnet.signals.formats.extras import open_foreign
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.records.arrays import array_source, with_left_out
 from torsionnet.signals.records.exported_structures import structured_source, unknown_structures
-from torsionnet.signals.records.recording_description import (
+from torsionnet.signals.records.source import (
     KEY,
     TIME,
+    Source,
     channel_names,
     plain_keys,
     recording_json,
     saved_columns,
 )
-from torsionnet.signals.records.source import Source
-from torsionnet.signals.responses import response_description
-from torsionnet.signals.responses.response_description import refuse_response, response_arrays, response_of_arrays
+from torsionnet.signals.response_description import refuse_response, response_arrays, response_of_arrays
 
 LONGEST_NAME = 63
 """Most characters of a variable's name that Matlab takes."""

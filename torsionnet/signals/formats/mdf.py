@@ -17,8 +17,14 @@ from torsionnet.signals.foreign import StoredArray
 from torsionnet.signals.formats.extras import import_extra, open_foreign
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.records.arrays import attribute_text, channel_of, told_apart
-from torsionnet.signals.records.recording_description import check_names, recording_json, with_description
-from torsionnet.signals.records.source import FileChannel, Source, other_axis
+from torsionnet.signals.records.source import (
+    FileChannel,
+    Source,
+    check_names,
+    other_axis,
+    recording_json,
+    with_description,
+)
 from torsionnet.signals.rotation.pulse_channel import PULSE_TIMES
 
 

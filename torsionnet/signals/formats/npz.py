@@ -18,13 +18,13 @@ import numpy as np
 from torsionnet.base.atomic import atomic_replacement
 from torsionnet.base.errors import Fault, ModelError
 from torsionnet.linear.frequency_response import FrequencyResponse
-from torsionnet.signals.foreign import ForeignFileError, resource_limits
+from torsionnet.signals import response_description
+from torsionnet.signals.foreign import ForeignFileError
+from torsionnet.signals.foreign import content as resource_limits
 from torsionnet.signals.foreign.content import Slice, StoredArray, sliced_blocks
 from torsionnet.signals.recording import FloatArray, Recording
 from torsionnet.signals.records.arrays import array_source, with_left_out
-from torsionnet.signals.records.recording_description import KEY, recording_json, saved_columns
-from torsionnet.signals.records.source import Source
-from torsionnet.signals.responses import response_description
+from torsionnet.signals.records.source import KEY, Source, recording_json, saved_columns
 
 ARRAY_ENDING = ".npy"
 """Ending of an array's name in the archive that an NPZ file is."""

@@ -14,8 +14,7 @@ from torsionnet.signals.foreign import StoredArray
 from torsionnet.signals.formats.extras import import_extra, open_foreign
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.records.arrays import channel_of, with_left_out, with_table_clocks
-from torsionnet.signals.records.recording_description import KEY, recording_json, saved_columns, with_description
-from torsionnet.signals.records.source import FileChannel, Source
+from torsionnet.signals.records.source import KEY, FileChannel, Source, recording_json, saved_columns, with_description
 
 ROWS_PER_GROUP = 1 << 20
 """Rows of a row group of a Parquet file that is written, 8 MB a column, which is what is in memory at once."""

@@ -22,9 +22,8 @@ from typing import Literal
 
 from torsionnet.base.errors import Fault, ModelError, TorsionnetError, UsageError, did_you_mean
 from torsionnet.linear.frequency_response import FrequencyResponse
-from torsionnet.signals.formats import hdf5, mat, mdf, npz, parquet, tdms, wav
+from torsionnet.signals.formats import hdf5, mat, mdf, npz, parquet, record_uff, response_uff, tdms, wav
 from torsionnet.signals.formats.text import record_text, response_text
-from torsionnet.signals.formats.uff import record_uff, response_uff
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.records.source import Source
 

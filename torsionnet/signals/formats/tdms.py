@@ -13,8 +13,15 @@ from torsionnet.signals.foreign.content import WAVE_INTERVAL, WAVE_OFFSET, WAVE_
 from torsionnet.signals.formats.extras import import_extra, open_foreign
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.records.arrays import attribute_text, channel_of
-from torsionnet.signals.records.recording_description import KEY, recording_json, saved_columns, with_description
-from torsionnet.signals.records.source import FileChannel, Source, is_time
+from torsionnet.signals.records.source import (
+    KEY,
+    FileChannel,
+    Source,
+    is_time,
+    recording_json,
+    saved_columns,
+    with_description,
+)
 
 GROUP = "recording"
 """Name of the group written."""

@@ -17,9 +17,9 @@ import numpy as np
 
 from torsionnet.base.errors import UsageError
 from torsionnet.base.notes import Note, NoteOrText
-from torsionnet.signals.decimation import Recordings, blocks_in_order
 from torsionnet.signals.pulses import repaired_pulses
 from torsionnet.signals.recording import FloatArray
+from torsionnet.signals.resampling import Recordings, blocks_in_order
 from torsionnet.signals.rotation.pulse_channel import PulseChannel
 from torsionnet.signals.rotation.wheel_rotation import WheelRotation
 

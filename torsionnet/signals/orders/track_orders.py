@@ -9,15 +9,22 @@ import numpy as np
 
 from torsionnet.base.errors import UsageError
 from torsionnet.base.units import RPM
-from torsionnet.signals.decimation import Recordings
 from torsionnet.signals.orders.cycle_average import CycleAverage, averaged_blocks, half_widths, whole_multiples
 from torsionnet.signals.orders.filtered_orders import filtered_orders
 from torsionnet.signals.orders.mean_rotation import MeanRotation, PhaseReference, mean_rotation, phase_reference
-from torsionnet.signals.orders.record_window import RecordWindow
 from torsionnet.signals.orders.tracked_orders import TrackedOrders, TrackingKernel
-from torsionnet.signals.orders.tracked_signals import Tracked, Twist, of_record, of_twist, of_wheel, tracked_values
+from torsionnet.signals.orders.tracked_signals import (
+    RecordWindow,
+    Tracked,
+    Twist,
+    of_record,
+    of_twist,
+    of_wheel,
+    tracked_values,
+)
 from torsionnet.signals.orders.vold_kalman import VoldKalman
 from torsionnet.signals.recording import FloatArray
+from torsionnet.signals.resampling import Recordings
 from torsionnet.signals.rotation.pulse_channel import PulseChannel
 from torsionnet.signals.rotation.wheel_rotation import WheelRotation
 

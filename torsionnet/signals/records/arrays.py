@@ -33,7 +33,6 @@ from torsionnet.signals.foreign.content import (
     Plain,
 )
 from torsionnet.signals.recording import FloatArray
-from torsionnet.signals.records.recording_description import with_description
 from torsionnet.signals.records.source import (
     NOWHERE,
     TIME_NAMES,
@@ -46,6 +45,7 @@ from torsionnet.signals.records.source import (
     seconds_in,
     structure_of,
     time_note,
+    with_description,
 )
 
 # Several columns of times in one table: each holds the time stamps of the columns behind it, up to the next.

@@ -9,15 +9,13 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.base.errors import Fault, ModelError, UsageError, remedy
-from torsionnet.signals.decimation import Recordings
 from torsionnet.signals.formats.registry import FORMATS, format_of, reading
 from torsionnet.signals.recording import Recording
-from torsionnet.signals.records.assembling import recordings, with_given_clock, with_given_courses
+from torsionnet.signals.records.assembling import encoder_recording, recordings, with_given_clock, with_given_courses
 from torsionnet.signals.records.channel_choice import ReadOptions, choose
-from torsionnet.signals.records.encoder_recording import encoder_recording
 from torsionnet.signals.records.source import Source
 from torsionnet.signals.records.stored_pulses import with_readings
-from torsionnet.signals.resampling import resampled
+from torsionnet.signals.resampling import Recordings, resampled
 from torsionnet.signals.rotation.counter import PulseReading
 
 

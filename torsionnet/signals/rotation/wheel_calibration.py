@@ -12,7 +12,6 @@ from torsionnet.base.errors import UsageError
 from torsionnet.base.notes import Note, warning
 from torsionnet.linear.frequency_response import ComplexArray
 from torsionnet.signals.recording import FloatArray
-from torsionnet.signals.rotation.calibration_result import WheelCalibration
 from torsionnet.signals.rotation.calibration_windows import (
     WINDOW_REVOLUTIONS,
     OrderSet,
@@ -35,10 +34,10 @@ from torsionnet.signals.rotation.pitch_order import (
     student_quantile,
 )
 from torsionnet.signals.rotation.pulse_channel import PulseChannel
-from torsionnet.signals.rotation.pulse_deviations import UNIFORM_STEPS
-from torsionnet.signals.rotation.quadrature import ReversingRotation
+from torsionnet.signals.rotation.pulse_deviations import UNIFORM_STEPS, WheelCalibration
 from torsionnet.signals.rotation.turn_pattern import best_shift
 from torsionnet.signals.rotation.wheel import Wheel, WheelPattern
+from torsionnet.signals.rotation.wheel_channel import ReversingRotation
 from torsionnet.signals.rotation.wheel_rotation import WHOLE_ORDER, WheelRotation, wheel_rotation
 
 WIDEST = np.radians(0.01)

@@ -17,10 +17,10 @@ from torsionnet.signals.pulses import Pulses, check_pulses, repaired_pulses
 from torsionnet.signals.recording import FloatArray
 from torsionnet.signals.rotation.pulse_channel import PulseChannel
 from torsionnet.signals.rotation.pulse_deviations import PulseDeviations, seen_deviations
-from torsionnet.signals.rotation.quadrature import DirectedPulses, ReversingRotation, refuse_turning_back
 from torsionnet.signals.rotation.tooth_zero import pulses_by_gap, tooth_after_gap, tooth_after_index
 from torsionnet.signals.rotation.turn_pattern import check_pattern, first_tooth
 from torsionnet.signals.rotation.wheel import ToothPlaces, Wheel, WheelPattern, lobes_in_words, matched_pulses
+from torsionnet.signals.rotation.wheel_channel import DirectedPulses, ReversingRotation, refuse_turning_back
 
 HALF_WIDTH_DEVIATIONS = 1.96
 """Half width of the 95 % interval of a normal variable over its standard deviation."""

@@ -192,7 +192,7 @@ class TorqueLoops(SavedResult):
 
         ``look``: ``conventions``, ``title``, ``ax``.
         """
-        figure: Figure = imported("torsionnet.plot.loops_plot:torque_loops")(self, **look)
+        figure: Figure = imported("torsionnet.plot.signal_plots:torque_loops")(self, **look)
         return figure
 
     def _picture(self) -> str:

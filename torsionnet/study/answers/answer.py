@@ -20,8 +20,7 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.model.checks.values import parameter_units
 from torsionnet.study.quantities.evaluator import Evaluator
-from torsionnet.study.quantities.quantity import QuantityForm, QuantityLimit, StudyQuantity, as_written
-from torsionnet.study.quantities.variant_block import VariantBlock
+from torsionnet.study.quantities.quantity import QuantityForm, QuantityLimit, StudyQuantity, VariantBlock, as_written
 from torsionnet.study.reductions.summaries import KeptValues
 from torsionnet.study.space.space import Space
 
@@ -128,8 +127,10 @@ class StudyAnswer(Declared):
 ANSWERS: TypeRegister[type[StudyAnswer]] = TypeRegister(
     ("torsionnet.study.answers", "torsionnet.study.design"),
     {
-        "scatter_answer": ("scatter", "parallel_coordinates"),
-        **{f"{kind}_answer": (kind,) for kind in ("map", "percentile_bands", "tornado", "worst_case", "yield")},
+        "map_and_scatter": ("map", "scatter", "parallel_coordinates"),
+        "sensitivity_answers": ("sobol_indices", "tornado"),
+        "worst_case_answer": ("worst_case",),
+        "yield_answer": ("yield", "percentile_bands"),
     },
 )
 """Classes of answers by the word that a study file writes as their ``type``."""

@@ -247,7 +247,7 @@ class WorstCaseResult(PlainConclusion):
     ``correlated`` are the pairs of parameters that a study correlates.
     """
 
-    drawing: ClassVar[str] = "torsionnet.plot.study.worst_variants:worst_variants"
+    drawing: ClassVar[str] = "torsionnet.plot.study.distributions:worst_variants"
 
     title: str
     quantity: str

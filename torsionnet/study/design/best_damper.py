@@ -24,8 +24,7 @@ from torsionnet.linear.responses.grid import vibration_range
 from torsionnet.linear.sensitivity.unknowns import unknowns
 from torsionnet.machinery.design.damper_design import Bounds, highest_peaks, levels_of, sought_box, sought_units
 from torsionnet.machinery.design.damper_optimum import EQUAL_PEAK_DIFFERENCE, DesignParameter, LevelPeak
-from torsionnet.machinery.design.levels import Levels, OrderLevels, WorstLevels
-from torsionnet.machinery.design.minimax import smallest_maximum
+from torsionnet.machinery.design.level_minimax import Levels, OrderLevels, WorstLevels, smallest_maximum
 from torsionnet.model.channels import Sensor
 from torsionnet.study.answers.answer import (
     PARAMETER,

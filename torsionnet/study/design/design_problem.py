@@ -13,8 +13,7 @@ from torsionnet.base.errors import UsageError
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.linear.responses.grid import inner_maxima
 from torsionnet.machinery.design.damper_optimum import DesignParameter
-from torsionnet.machinery.design.levels import Levels
-from torsionnet.machinery.design.minimax import Box
+from torsionnet.machinery.design.level_minimax import Box, Levels
 from torsionnet.study.design.design_goals import DesignGoals, Found
 
 Evaluate = Callable[[Mapping[str, FloatArray]], Mapping[str, FloatArray]]

@@ -13,13 +13,12 @@ from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.frequency_response import Channel
 from torsionnet.linear.sensitivity.parametric import ParametricResponse, parametric_response
 from torsionnet.linear.sensitivity.sensitivities_of_modes import ModeSensitivities, mode_sensitivities
-from torsionnet.machinery.design.levels import Levels, ReceptanceLevels, WorstLevels
+from torsionnet.machinery.design.level_minimax import Levels, ReceptanceLevels, WorstLevels
 from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.natural_frequency import UNDAMPED, DampingRatio, ModeQuantity, NaturalFrequency
 from torsionnet.study.quantities.peak import PeakMagnitude
-from torsionnet.study.quantities.quantity import StudyQuantity
-from torsionnet.study.quantities.response import ResponseQuantity
-from torsionnet.study.quantities.variant_block import VariantBlock
+from torsionnet.study.quantities.quantity import StudyQuantity, VariantBlock
+from torsionnet.study.quantities.transfer_quantity import ResponseQuantity
 
 SAME_POLE = 1e-6
 """Largest relative distance between a pole from a batch and the pole with derivatives that is taken for the same."""

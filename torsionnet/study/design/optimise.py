@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from torsionnet.base.errors import SolveError
 from torsionnet.linear.assembly.rows import FloatArray
-from torsionnet.study.design.design_optimum import TARGET_MET, DesignOptimum
+from torsionnet.study.design.design_goals import TARGET_MET, DesignOptimum
 from torsionnet.study.design.design_problem import BoundedPoints, BoundedRows, DesignProblem, Rank, finite
 
 # Global search of designs within bounds by an even spread of samples, and differential evolution from them.

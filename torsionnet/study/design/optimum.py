@@ -27,13 +27,13 @@ from torsionnet.study.design.design_goals import (
     DesignBounds,
     DesignGoals,
     DesignObjective,
+    DesignOptimum,
     DesignTarget,
     OneOrSeveral,
     TargetEntry,
     chosen_parameters,
     design_parameters,
 )
-from torsionnet.study.design.design_optimum import DesignOptimum
 from torsionnet.study.design.design_problem import DesignProblem
 from torsionnet.study.design.design_quantities import DesignQuantities, peak_curves
 from torsionnet.study.quantities.quantity import QuantityLimit, wrong_unit

@@ -17,8 +17,15 @@ from torsionnet.base.table import Column, Table
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.machinery.design.damper_optimum import DesignParameter
 from torsionnet.study.answers.answer import AskedStudy, DrawnConclusion, VariantValues, register_answer
-from torsionnet.study.design.design_goals import NAMES, DesignGoals, DesignObjective, Found, OneOrSeveral, with_unit
-from torsionnet.study.design.design_optimum import SAME_QUANTITY
+from torsionnet.study.design.design_goals import (
+    NAMES,
+    SAME_QUANTITY,
+    DesignGoals,
+    DesignObjective,
+    Found,
+    OneOrSeveral,
+    with_unit,
+)
 from torsionnet.study.design.design_problem import FEASIBLE_EXCESS, MISSING_VALUE, DesignProblem
 from torsionnet.study.design.optimise import Single, optimise
 from torsionnet.study.design.optimum import DesignAnswer

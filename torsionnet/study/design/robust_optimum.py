@@ -15,8 +15,7 @@ from torsionnet.base.errors import Fault, UsageError
 from torsionnet.base.table import Column, Table
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.answers.answer import AskedStudy, DrawnConclusion, VariantValues, register_answer
-from torsionnet.study.design.design_goals import with_unit
-from torsionnet.study.design.design_optimum import DesignOptimum
+from torsionnet.study.design.design_goals import DesignOptimum, with_unit
 from torsionnet.study.design.design_problem import DesignProblem
 from torsionnet.study.design.optimise import Single, optimise
 from torsionnet.study.design.optimum import SingleDesign

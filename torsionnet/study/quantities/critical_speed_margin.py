@@ -19,9 +19,8 @@ from torsionnet.machinery.excitations.speed_range import SpeedBand
 from torsionnet.machinery.orders.order_response import NOT_MET
 from torsionnet.machinery.orders.order_solution import with_motions_held
 from torsionnet.machinery.verdicts.limit_verdict import LimitVerdict
-from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
+from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, VariantBlock, register_quantity
 from torsionnet.study.quantities.transfer_quantity import SpeedQuantity, speed_words, usage_faults
-from torsionnet.study.quantities.variant_block import VariantBlock
 
 
 @register_quantity

@@ -12,8 +12,7 @@ import numpy as np
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.linear.batch.batch_plan import BatchPlan, batch_plan
-from torsionnet.study.quantities.quantity import StudyQuantity
-from torsionnet.study.quantities.variant_block import GRAPH, VariantBlock
+from torsionnet.study.quantities.quantity import GRAPH, StudyQuantity, VariantBlock
 
 SINGLE_BLOCK_SIZE = 4
 """Number of variants in a block solved one by one, few, as a block is the smallest work for a worker."""

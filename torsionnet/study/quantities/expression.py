@@ -19,8 +19,7 @@ from torsionnet.base.expressions import Algebra, Expression, ExpressionError
 from torsionnet.base.units import DIMENSIONS, Dimension, UnitError, parse_unit
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.linear.assembly.rows import FloatArray
-from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
-from torsionnet.study.quantities.variant_block import VariantBlock
+from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, VariantBlock, register_quantity
 
 ARRAYS = Algebra(number=float, sqrt=np.sqrt, pi=math.pi)
 """Square root, pi and conversion of numbers by which formulas of quantities calculate with arrays."""
@@ -57,7 +56,7 @@ class QuantityExpression(StudyQuantity):
     Examples
     --------
     >>> import torsionnet as tn
-    >>> from torsionnet.study.quantities.response import ResponseQuantity
+    >>> from torsionnet.study.quantities.transfer_quantity import ResponseQuantity
     >>> static = ResponseQuantity(output="theta_1", input="T_T", at="0 Hz")
     >>> asked = {"static": static, "stiffness": QuantityExpression(of="1/static")}
     >>> block = VariantBlock(tn.load("dmf_rig"), {"k_2": np.array([400.0, 500.0])}, asked, None)
@@ -288,7 +287,7 @@ def function(
     Examples
     --------
     >>> import torsionnet as tn
-    >>> from torsionnet.study.quantities.variant_block import VariantBlock
+    >>> from torsionnet.study.quantities.quantity import VariantBlock
     >>> ratio = function(lambda rig: rig.modes().natural_frequencies[1] / rig.modes().natural_frequencies[0])
     >>> block = VariantBlock(tn.load("dmf_rig"), {"k_2": np.array([460.0])}, {}, None)
     >>> ratio.evaluate(block).round(4).tolist()

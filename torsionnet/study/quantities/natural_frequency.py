@@ -13,8 +13,13 @@ from torsionnet.base.errors import Fault, UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.modes.modes import OSCILLATORY, Modes
-from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
-from torsionnet.study.quantities.variant_block import VariantBlock, nominal_modes
+from torsionnet.study.quantities.quantity import (
+    QuantityForm,
+    StudyQuantity,
+    VariantBlock,
+    nominal_modes,
+    register_quantity,
+)
 
 TRACKED, ASCENDING = "tracked", "ascending"
 MIXED = "veers: a fifth or more of its energy is that of another mode of the model"

@@ -21,9 +21,8 @@ from torsionnet.machinery.orders.order_response import NOT_MET, OrderResponse
 from torsionnet.machinery.orders.order_solution import OrderRequest
 from torsionnet.machinery.orders.refined_response import is_periodic
 from torsionnet.machinery.orders.speed_refinement import fill_speed_gaps, new_speeds, refine_speeds, speeds_to_refine
-from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
+from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, VariantBlock, register_quantity
 from torsionnet.study.quantities.transfer_quantity import SpeedQuantity, usage_faults
-from torsionnet.study.quantities.variant_block import VariantBlock
 
 # Order responses of many variants, and their largest values over a range of speeds, whatever the step of speeds.
 

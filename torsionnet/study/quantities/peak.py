@@ -23,9 +23,8 @@ from torsionnet.base.entries.scalars import Band
 from torsionnet.base.entries.spec import entry
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.linear.assembly.rows import FloatArray
-from torsionnet.study.quantities.quantity import QuantityForm, register_quantity
+from torsionnet.study.quantities.quantity import QuantityForm, VariantBlock, register_quantity
 from torsionnet.study.quantities.transfer_quantity import TransferQuantity
-from torsionnet.study.quantities.variant_block import VariantBlock
 
 # Search of the largest magnitude in a band for many variants at once, on a grid of frequencies refined at maxima.
 

@@ -21,9 +21,8 @@ from torsionnet.linear.modes.natural_modes import natural_modes
 from torsionnet.motion.scenario_courses import scenario_of
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.records.recording_files import read_even
-from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
+from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, VariantBlock, register_quantity
 from torsionnet.study.quantities.transfer_quantity import usage_faults
-from torsionnet.study.quantities.variant_block import VariantBlock
 
 HISTORY_FORM = "{file: shock.csv, channel: T_M} or {rate: 1 kHz, values: [0, 10, ...]}"
 """Examples of the entry ``history`` of a transient peak in error messages, a channel of a file or a list of torques."""

@@ -16,10 +16,8 @@ from torsionnet.study.answers.answer import Conclusion, Conclusions, VariantValu
 from torsionnet.study.quantities.evaluator import BlockCalculator, Evaluator
 from torsionnet.study.run import run_chunks
 from torsionnet.study.run.chunk_values import Chunks
-from torsionnet.study.run.executor import Executor, SerialExecutor
-from torsionnet.study.run.run_chunks import Workload, no_variants
-from torsionnet.study.shown_units import ShownUnits, shown_units
-from torsionnet.study.study import Study
+from torsionnet.study.run.run_chunks import Executor, SerialExecutor, Workload, no_variants
+from torsionnet.study.study import ShownUnits, Study, shown_units
 from torsionnet.study.study_result import StudyResult, read_notes
 
 if TYPE_CHECKING:
@@ -81,7 +79,7 @@ class Workers:
 
     @contextmanager
     def _of_cluster(self, folder: Path | None) -> Iterator[Executor]:
-        from torsionnet.study.run.cluster.dask_executor import DaskExecutor, connected
+        from torsionnet.study.run.dask_executor import DaskExecutor, connected
 
         if folder is None:
             raise UsageError(

@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 from torsionnet.base.atomic import write_bytes
 from torsionnet.linear.assembly.rows import FloatArray
-from torsionnet.study.quantities.quantity import QuantityLimit
-from torsionnet.study.quantities.variant_block import NOTHING_READ, VariantBlock, remark
+from torsionnet.study.quantities.quantity import NOTHING_READ, QuantityLimit, VariantBlock, remark
 from torsionnet.study.reductions.limit_counts import LimitFlags
 from torsionnet.study.reductions.summaries import GrowingHistogram, Histogram, Moments, extremes, kept_indices
 from torsionnet.study.study import Study

@@ -21,9 +21,9 @@ import numpy as np
 
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.quantities.evaluator import Evaluator, Values
-from torsionnet.study.quantities.variant_block import NOTHING_READ
+from torsionnet.study.quantities.quantity import NOTHING_READ
 from torsionnet.study.run.chunk_values import widest_span
-from torsionnet.study.run.executor import Executor
+from torsionnet.study.run.run_chunks import Executor
 from torsionnet.study.run.study_folder import ANSWERS
 
 HEAD = Struct("<4sI32s")

@@ -20,7 +20,7 @@ from typing import Any, TypeVar
 
 from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.base.threads import one_thread
-from torsionnet.study.run.executor import part_name
+from torsionnet.study.run.run_chunks import part_name
 
 S = TypeVar("S")
 T = TypeVar("T")

@@ -1,22 +1,21 @@
-"""Calculation of all variants of a study, resumed from the chunks in its folder."""
+"""Calculation of all variants of a study by an executor, resumed from the chunks in its folder."""
 
 from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from itertools import chain
 from math import ceil
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.study.quantities.evaluator import Evaluator, Values
 from torsionnet.study.reductions.limit_counts import MOST_LIMITS
 from torsionnet.study.reductions.summaries import KeptValues, Summary
 from torsionnet.study.run.chunk_values import Chunk, Chunks, ChunkValues, JoinedValues, counted_limits, kept_every
-from torsionnet.study.run.executor import Executor, SerialExecutor
 from torsionnet.study.space.space import Space
 from torsionnet.study.study import Study
 from torsionnet.study.study_result import StudyResult
@@ -25,6 +24,49 @@ if TYPE_CHECKING:
     from torsionnet.study.reductions.limit_counts import LimitTotals
     from torsionnet.study.run.study_folder import StudyFolder
 
+
+# Protocol of executors, which call a function for the chunks of a study or the blocks of its answers.
+
+S = TypeVar("S")
+T = TypeVar("T")
+
+
+class Executor(Protocol):
+    """Executor that calls a function for every part of a study, the number of a chunk, or a block of variants."""
+
+    def map(self, work: Callable[[S], T], parts: Iterable[S]) -> Iterator[tuple[S, T]]:
+        """Yield each part of a study with its result, in the order in which they are done.
+
+        Function and parts can be pickled.
+        """
+        ...
+
+
+class SerialExecutor:
+    """Executor that does one part of a study after the other in this process.
+
+    Examples
+    --------
+    >>> list(SerialExecutor().map(abs, [-1, 2]))
+    [(-1, 1), (2, 2)]
+    """
+
+    def map(self, work: Callable[[S], T], parts: Iterable[S]) -> Iterator[tuple[S, T]]:
+        """Yield each part of a study with its result, in the order of the parts."""
+        for part in parts:
+            yield part, work(part)
+
+
+def part_name(part: object) -> str:
+    """Words for a part of a study in messages.
+
+    >>> part_name(7)
+    'chunk 7'
+    """
+    return f"chunk {part}" if isinstance(part, int) else str(part)
+
+
+# Calculation of all variants of a study, resumed from the chunks in its folder.
 
 # Calculation of one chunk of a study's variants, and merging of all chunks into its result.
 

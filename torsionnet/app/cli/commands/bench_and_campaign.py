@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from torsionnet.base.conventions import Conventions
     from torsionnet.base.table import Table
     from torsionnet.bench import Bench
-    from torsionnet.bench.campaign.campaign_result import CampaignResult
+    from torsionnet.bench.campaign.running_campaign import CampaignResult
 
 
 @dataclass(frozen=True, eq=False)
@@ -215,8 +215,7 @@ class CampaignCommand(Command):
 
     def _write_report(self, result: CampaignResult, file: str) -> None:
         from torsionnet.app.cli.terminal import stages
-        from torsionnet.report.campaign_report import campaign_report
-        from torsionnet.report.report import writer_for
+        from torsionnet.report.report import campaign_report, writer_for
 
         write = writer_for(Path(file))
         with stages() as show:

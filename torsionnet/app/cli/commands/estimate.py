@@ -423,6 +423,6 @@ def _element(drivetrain: Drivetrain, sensors: tuple[str, str]) -> str:
 
 
 def _figure(stepped: SteppedStiffness, model: Any) -> Any:
-    from torsionnet.plot.loops_plot import stepped_stiffness
+    from torsionnet.plot.signal_plots import stepped_stiffness
 
     return stepped_stiffness(stepped, model)

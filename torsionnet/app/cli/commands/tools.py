@@ -19,7 +19,7 @@ from torsionnet.app.cli.options import (
     standard_input_text,
 )
 from torsionnet.app.cli.terminal import message, print_faults, print_line
-from torsionnet.app.text.fault_table import GROUPS, FaultKind, fault_kind, fault_kinds
+from torsionnet.app.text.text_faults import GROUPS, FaultKind, fault_kind, fault_kinds
 
 if TYPE_CHECKING:
     from torsionnet.app.explore import ExploreServer
@@ -154,7 +154,7 @@ class LanguageServerCommand(Command):
             raise MissingExtraError(LSP_NEEDED) from error
         if sys.stdin is not None and sys.stdin.isatty():
             message("note", "an editor starts this command and talks with it; Ctrl-C ends it")
-        from torsionnet.app.language_server.standard_streams import serve_standard_streams
+        from torsionnet.app.language_server.model_server import serve_standard_streams
 
         return Answer(exit_code=serve_standard_streams())
 

@@ -22,10 +22,10 @@ from torsionnet.signals.recording import Recording
 
 if TYPE_CHECKING:
     from torsionnet.base.table import Table
-    from torsionnet.signals.rotation.calibration_result import WheelCalibration
     from torsionnet.signals.rotation.clock_drift import ClockDrift
     from torsionnet.signals.rotation.counter import PulseReading
     from torsionnet.signals.rotation.pitch_order import CalculatedOrders
+    from torsionnet.signals.rotation.pulse_deviations import WheelCalibration
     from torsionnet.signals.rotation.wheel_calibration import WheelTest
     from torsionnet.signals.rotation.wheel_channel import WheelChannel
     from torsionnet.signals.rotation.wheel_rotation import WheelRotation
@@ -128,7 +128,7 @@ class AngleCommand(Command):
             data=lambda: TurnedWheels(self.record, angles, rows),
             files=[(self.output_file, lambda file: write_recording(angles, file))],
             figures=lambda _: [
-                ("", imported("torsionnet.plot.wheel_plots:wheel_rotations")(wheels, title=angles.title))
+                ("", imported("torsionnet.plot.signal_plots:wheel_rotations")(wheels, title=angles.title))
             ],
         )
 
@@ -220,7 +220,7 @@ class CalibrateWheelCommand(Command):
     )
     between: float | None = option(
         "--pickup-angle",
-        type=EntryOption("ANGLE", "signals.rotation.calibration_result:PICKUP_ANGLE"),
+        type=EntryOption("ANGLE", "signals.rotation.pulse_deviations:PICKUP_ANGLE"),
         help="From the first pickup to the second in the sense of rotation, to half a pitch: 114deg.",
     )
     cycle: int = option(
@@ -235,7 +235,7 @@ class CalibrateWheelCommand(Command):
     settings: tuple[tuple[str, str], ...] = SETTINGS
     zero: float | None = option(
         "--zero",
-        type=EntryOption("ANGLE", "signals.rotation.calibration_result:ZERO_ANGLE"),
+        type=EntryOption("ANGLE", "signals.rotation.pulse_deviations:ZERO_ANGLE"),
         help="With a model: its crank angle, 0 at top dead centre of the first cylinder, when tooth 0 passes.",
     )
     constant: str | None = option(
@@ -334,7 +334,7 @@ class CalibrateWheelCommand(Command):
 
     def _calculated(self, tests: list[WheelTest], wheel: WheelChannel) -> CalculatedOrders:
         from torsionnet.app.cli.options import load_model
-        from torsionnet.identification.wheel_orders import calculated_wheel_orders, speed_grid
+        from torsionnet.identification.orders.parametric_orders import calculated_wheel_orders, speed_grid
         from torsionnet.signals.rotation.wheel_calibration import speed_range
 
         plant: Any = load_model(str(self.model))

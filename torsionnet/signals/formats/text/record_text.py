@@ -33,15 +33,17 @@ from torsionnet.signals.formats.text.labview_header import is_labview
 from torsionnet.signals.formats.text.labview_text import EmptyCells, check_lengths, labview_source
 from torsionnet.signals.recording import FloatArray, Recording
 from torsionnet.signals.records.arrays import with_table_clocks
-from torsionnet.signals.records.recording_description import (
+from torsionnet.signals.records.source import (
     KEY,
     TIME,
+    FileChannel,
+    Source,
     check_names,
+    is_time,
     plain_keys,
     recording_json,
     with_description,
 )
-from torsionnet.signals.records.source import FileChannel, Source, is_time
 
 # Tables of numbers as CSV with a line of description above them, which this module also reads.
 

@@ -18,7 +18,7 @@ from torsionnet.base.delimited.number_rows import NumberRows
 from torsionnet.base.errors import Fault, FaultyValueError, ModelError, Position, did_you_mean
 from torsionnet.linear.frequency_response import SIGN_NOTE, FloatArray, FrequencyResponse
 from torsionnet.signals.formats.text.record_text import description_in, write_columns
-from torsionnet.signals.responses.response_description import (
+from torsionnet.signals.response_description import (
     KEY,
     UNKNOWN_UNIT,
     ResponseMatrix,

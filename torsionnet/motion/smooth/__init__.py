@@ -1,1 +1,0 @@
-"""Motion over time with laws that do not follow straight pieces, by Runge-Kutta methods between events."""

@@ -1,1 +1,0 @@
-"""Universal files, which hold recordings and frequency responses as datasets 58."""

@@ -1,1 +1,0 @@
-"""Frequency responses in files, with what all file formats have in common."""
