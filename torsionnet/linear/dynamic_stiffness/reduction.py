@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -229,7 +229,8 @@ def first_order(
     part = split(system, spaces, damping, E_1.T @ Y)
     forces = Y.T @ E_x - part.cross
     # Y^T Y = I for real springs; loss factors make Y complex, and its basis is not orthonormal under the transpose.
-    coupling, yielding = forces, part.yielding
+    coupling: Any = forces
+    yielding: Any = part.yielding
     if np.iscomplexobj(Y):
         coupling, yielding = (np.linalg.inv(Y.T @ Y) @ block for block in (coupling, yielding))
     matrix = np.block([[-part.drag, -forces.T], [coupling, -yielding]])
