@@ -366,7 +366,7 @@ class TestCommand:
         ("options", "text"),
         [
             ([], "missing-entry"),
-            (["--mode", "1", "--at", "3"], "missing-entry"),
+            (["--mode", "1", "--at", "3"], "contradicting-entries"),
             (["--mode", "90"], "there is no mode 90"),
             (["--at", "3 m"], "wrong-unit"),
         ],

@@ -292,7 +292,10 @@ class HolzerCommand(ModelCommand):
     referred: bool = option("--referred", help="Show amplitudes and torques referred to one shaft.")
 
     def answer(self) -> Answer:
-        if (self.mode is None) == (self.at is None):
+        if self.mode is not None and self.at is not None:
+            text = "--mode and --at both give the frequency of a Holzer table; leave out one of them"
+            raise WrongUsage(text, kind="contradicting-entries")
+        if self.mode is None and self.at is None:
             raise WrongUsage(
                 "a Holzer table needs a frequency: give a mode, as --mode 1, or --at HZ for a trial frequency",
                 kind="missing-entry",
