@@ -180,18 +180,18 @@ def stretched_faults(text: str, faults: list[Fault], file: str = "", folder: Pat
             for placed in located
         ]
     written = WrittenText(text, document, file.lower().endswith(".json"))
-    found: list[LocatedFault] = []
+    placed_faults: list[LocatedFault] = []
     left = _MOST_REREAD
     for number, fault in enumerate(faults):
-        one = _located(fault, lines, file)
-        is_here = one.fault is fault and isinstance(document.data, dict)
+        placed = _located(fault, lines, file)
+        is_here = placed.fault is fault and isinstance(document.data, dict)
         if fault.severity != "note" and is_here and number < (MOST_MENDED if left > 0 else _FEWEST_MENDED):
-            place = FaultPlace(fault, one.span, written, faults)
-            one = replace(one, fixes=quick_fixes(place))
+            place = FaultPlace(fault, placed.span, written, faults)
+            placed = replace(placed, fixes=quick_fixes(place))
             part, _ = place.read_again
             left -= part.end - part.start
-        found.append(one)
-    return found
+        placed_faults.append(placed)
+    return placed_faults
 
 
 def _located(fault: Fault, lines: TextLines, file: str) -> LocatedFault:

@@ -337,7 +337,7 @@ class LoopsCommand(RecordCommand):
         self.span.check(self.record)
         # The lateness of the torque is for the loops to take out, and to know of.
         span, late = copy(self.span), dict(self.span.delays).get(self.torque, 0.0)
-        span.delays = tuple(one for one in span.delays if one[0] != self.torque)
+        span.delays = tuple((channel, delay) for channel, delay in span.delays if channel != self.torque)
         names = [self.torque, *self.twist, *([self.speed_channel] if self.speed_channel else [])]
         with progress("loops", None) as advance:
             record = load_record(self.record, self.reading, names, 0.0, advance, span)
