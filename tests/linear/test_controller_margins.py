@@ -54,7 +54,8 @@ class TestMargins:
         loop = -control.tf(rig.to_control()) * H
         gains, phases, distances, _, at_phases, _ = control.stability_margins(loop, returnall=True)
         found = tn.Drivetrain("loop", elements).loop_margins("governor")
-        assert found.gain_increase.value == pytest.approx(min(gains[gains > 1], default=np.nan), rel=1e-6, nan_ok=True)
+        increases = gains[(gains > 1) & (gains < 1e9)]  # beyond is rounding of a numerator without that power
+        assert found.gain_increase.value == pytest.approx(min(increases, default=np.nan), rel=1e-6, nan_ok=True)
         real = at_phases > 1e-6  # the rest is rounding of a pole and a zero at rest
         nearest = np.argmin(np.abs(phases[real]))
         assert found.phase.value == pytest.approx(phases[real][nearest], rel=1e-5)

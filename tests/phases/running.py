@@ -178,6 +178,8 @@ class Run:
             phase.command, cwd=ROOT, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
         ) as process:  # fmt: skip
             self._running.add(process)
+            if self.fault:  # another lane failed while this phase began, and ended those that ran by then
+                process.terminate()
             assert process.stdout is not None
             while chunk := os.read(process.stdout.fileno(), 65536):
                 said += chunk
