@@ -292,6 +292,12 @@ def test_what_is_drawn_alike_is_laid_out_once(monkeypatch):
         assert any(text.endswith(f"k = {5 if rig is rigs[1] else 4} kN·m/rad") for text in titles) or rig is rigs[3]
 
 
+def test_a_second_picture_has_each_word_once():
+    rig = tn.load("amt_rig")
+    first, second = ([text.get_text() for text in tn.plot.schematic(rig).axes[0].texts] for _ in range(2))
+    assert second == first
+
+
 def line(stiffness="4 kN*m/rad", inertia="2 kg*m^2", damping=None, name="end"):
     """So many discs that they are drawn without texts."""
     count = arrangement.MOST_NAMED_NODES + 1

@@ -292,12 +292,13 @@ def arranged_drawing(drivetrain: Drivetrain, page: float) -> Piece:
     It is kept for the next drivetrain of which all is drawn alike, as one with another stiffness.
     """
     with _ARRANGING:
-        return _RECENT.once(
+        kept = _RECENT.once(
             Piece,
             (page, _drawn_things(drivetrain)),
             lambda: _arranged(drivetrain, page),
             lambda whole: BYTES_OF_STROKE * len(whole.strokes),
         )
+    return kept.shifted(0.0, 0.0)  # titles and boxes of parts are added to a copy
 
 
 def _drawn_things(drivetrain: Drivetrain) -> Hashable:
