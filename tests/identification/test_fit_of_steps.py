@@ -187,6 +187,28 @@ def test_the_mean_of_the_output_is_referred_to_the_element(nodes, held):
     assert fitted(model, data, ["J"]).values["J"] == pytest.approx(J, rel=1e-5)
 
 
+@pytest.mark.parametrize("nodes", [("a", "ground"), ("ground", "a")])
+def test_even_harmonics_beside_a_mean_are_those_of_the_twist_whichever_end_is_first(nodes):
+    """A second harmonic of 12 % about 0.08 rad: the torque follows a twist that is given, over stages and a damper."""
+    phase, c, f = 2 * np.pi * np.arange(4096) / 4096, 0.5, 2.0
+    turns, twist = np.exp(1j * np.outer([0, 1, 2], phase)), np.array([0.08, 0.1, 0.012 * np.exp(0.3j)])
+    gamma, rate = (twist @ turns).real, 2 * np.pi * f * (1j * np.arange(3) * twist @ turns).real
+    torque = 460 * np.clip(gamma, -0.12, 0.12) + 1500 * (gamma - np.clip(gamma, -0.12, 0.12)) + c * rate
+    first = 2 * np.mean(torque * turns[1].conj())
+    further = np.array([[twist[2], *np.zeros(7)]])
+    columns = ([f], [0.1 + 0j], [first], [0.08], [torque.mean()], [0.0])
+    data = SteppedStiffness(*map(np.array, columns), harmonics=further)
+    parts = [
+        tn.Spring("disc", nodes=nodes, stages=[{"stiffness": "k1", "to_twist": "g1"}, {"stiffness": "k2"}]),
+        tn.Damper("oil", nodes=("a", "ground"), damping=c),
+    ]
+    values = {name: STAGES[name] for name in ("k1", "g1", "k2")}
+    model = tn.Drivetrain("bench", parts, values, inputs={"T": {"torque": "a"}}, sensors={"gamma": {"angle": "a"}})
+    test = tn.Measurement(data, "gamma", "T", name="test", error=0.01)
+    problem = make_problem(model, [test], read_unknowns([*values]), "complex")
+    assert problem.blocks[0].residuals(problem.start)[0] == pytest.approx(0, abs=1e-3)
+
+
 def test_what_no_swing_visits_is_not_seen():
     data = measured(of_stages(**STAGES), (8.0,), np.linspace(6.0, 8.0, 12), seed=2)
     assert np.abs(data.twists).max() < STAGES["g1"]

@@ -132,12 +132,12 @@ class SteppedCurve(LawsOnTwist):
     )
 
     @property
-    def reads_the_twist(self) -> bool:
-        """Whether the output is a multiple of the twist of the element, at all frequencies."""
+    def output_over_twist(self) -> float:
+        """Multiple of the twist of the element that the output is at all frequencies; 0: it is none."""
         beside = self._beside(self.start.tolist())
-        p = (beside.output_by_torque / beside.by_torque)[0].real
+        p = float((beside.output_by_torque / beside.by_torque)[0].real)
         pairs = (beside.output_by_torque, beside.by_torque), (beside.of_output, beside.of_twist)
-        return all(np.allclose(output, p * twist, rtol=SAME_TWIST, atol=0) for output, twist in pairs)
+        return p if all(np.allclose(output, p * twist, rtol=SAME_TWIST, atol=0) for output, twist in pairs) else 0.0
 
     @cached_property
     def omega(self) -> FloatArray:
@@ -406,7 +406,11 @@ def stepped_curve(
     still = replace(curve, linear=linear(np.array([SLOW * frequencies.min()])))
     harmonics = linear(np.outer(np.arange(2, HARMONICS + 1), frequencies).ravel())
     curve = replace(curve, mean_twists=still.static_twists(means, mean_torques), at_harmonics=harmonics)
-    return replace(curve, shape=_clear(shape) if curve.reads_the_twist else None)
+    clear, p = _clear(shape), curve.output_over_twist
+    if clear is None or not p:
+        return curve
+    # By the phase of the first one, even harmonics of a twist that the output reads backwards have the other sign.
+    return replace(curve, shape=clear * np.sign(p) ** (np.arange(2, HARMONICS + 1) + 1))
 
 
 def _clear(shape: ComplexArray | None) -> ComplexArray | None:
