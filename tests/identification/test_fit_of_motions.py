@@ -128,15 +128,22 @@ def sines(*frequencies, inertia=0.045, amplitudes=(0.25, 0.25), rate=400.0):
     return loop_record(torque + 0.2 * noise[0], twist + 2e-5 * noise[1], rate)
 
 
+def held(record):
+    """Record that stays for a second at its last values, read without noise."""
+    torque, twist = (np.r_[record[name].values, np.full(400, record[name].values[-1])] for name in ("T", "gamma"))
+    return loop_record(torque, twist, record.sampling_rate)
+
+
 @pytest.mark.parametrize(
     ("record", "told"),
     [
         (sines(1.5), "1.5 Hz"),
         (sines(1.5, 1.5, amplitudes=(0.25, 0.1)), "1.5 Hz"),
         (sines(1.5, 4.0), ""),
+        (held(sines(1.5)), "1.5 Hz"),
         (stage_record(3), ""),  # a triangle has its inertia at the corners alone
     ],
-    ids=["one", "two amplitudes", "two", "triangle"],
+    ids=["one", "two amplitudes", "two", "then at rest", "triangle"],
 )
 def test_one_frequency_does_not_tell_inertia_from_stiffness(record, told):
     test = tn.Measurement(record, "gamma", "T", equations=True, name="test")

@@ -117,14 +117,18 @@ class MeasuredMotion:
         return float(np.median(clear)) if one else 0.0
 
     def _frequency(self, twist: FloatArray) -> float:
+        if not np.ptp(twist):
+            return 0.0
         around, time = twist - twist.mean(), np.linspace(-1, 1, len(twist))
         # gamma'' = -w^2 (gamma - m) integrated twice, so that noise does not count, beside a mean that moves.
         twice = np.r_[0.0, np.cumsum(np.cumsum(around))[:-1]] * self.step**2
         columns = np.stack([twice / np.abs(twice).max(), *(time**n for n in range(4))], axis=1)
         sizes = np.linalg.lstsq(columns, around, rcond=None)[0]
         left, square = float(np.std(around - columns @ sizes)), -float(sizes[0] / np.abs(twice).max())
-        one = left < np.hypot(ONE_FREQUENCY * float(np.std(around)), 2 * self.noise[0])
-        return float(np.sqrt(square)) / (2 * np.pi) if one and square > 0 else 0.0
+        if square <= 0 or left >= np.hypot(ONE_FREQUENCY * float(np.std(around)), 2 * self.noise[0]):
+            return 0.0
+        # Sums over samples h apart have 2 sin(w h/2)/h in place of w.
+        return float(np.arcsin(min(1.0, self.step * np.sqrt(square) / 2))) / (np.pi * self.step)
 
     @classmethod
     def of(cls, twist: FloatArray, torque: FloatArray, step: float) -> MeasuredMotion:
