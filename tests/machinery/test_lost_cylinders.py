@@ -195,6 +195,8 @@ def test_a_share_of_the_rated_torque_of_an_idle_mesh_is_that_of_full_load():
         hammer = check.of("teeth", "hammer")
         assert (hammer.verdict, hammer.absent) == ("not judged", True)
     assert LimitConclusion(tuple(checks)).verdict == "pass"
+    slower = rig.with_definition(rig.configured("alone").definition).check_limits(speeds=[900 * RPM, 1060 * RPM])
+    assert "the rated speed is not among the speeds" in str(slower.of("teeth", "T_v").remarks)
 
 
 def test_where_nothing_is_allowed_the_largest_value_is_the_worst():

@@ -200,7 +200,7 @@ class GearLimit(ElementLimit):
         if self.vibratory_share is not None:
             rated = self._rated_torque(evidence)
             if rated is None:
-                yield line_without_data("T_v", _unknown(evidence))
+                yield line_without_data("T_v", self._unknown(evidence))
             else:
                 allowed = constant_over_speed(self.vibratory_share * rated, evidence)
                 remarks = (phrase("mean torque at rated speed and full load {torque:.6g} N*m", torque=rated),)
@@ -209,7 +209,7 @@ class GearLimit(ElementLimit):
         # sign.
         if self.hammer:
             if mean is None:
-                yield line_without_data("hammer", _unknown(evidence))
+                yield line_without_data("hammer", self._unknown(evidence))
             elif self.torque in evidence.idle:
                 yield replace(line_without_data("hammer", IDLE), absent=True)
             else:
@@ -225,12 +225,11 @@ class GearLimit(ElementLimit):
             return float(self.rated_torque)
         return abs(mean) if mean else None
 
+    def _unknown(self, evidence: Evidence) -> str:
+        if not evidence.why_no_mean and self.torque in evidence.rated_means:
+            return "it transmits no mean torque at rated speed, here or as written; give rated_torque"
+        return f"the mean torque is not known: {evidence.why_no_mean or 'the rated speed is not among the speeds'}"
+
 
 IDLE = "it transmits no mean torque in this condition: its teeth part in any vibration"
 """Remark on the hammer of a mesh that idles in a condition, as that of an engine that is declutched."""
-
-
-def _unknown(evidence: Evidence) -> str:
-    if not evidence.why_no_mean and evidence.idle:
-        return "it transmits no mean torque at rated speed, here or as written; give rated_torque"
-    return f"the mean torque is not known: {evidence.why_no_mean or 'the rated speed is not among the speeds'}"
