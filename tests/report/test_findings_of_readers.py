@@ -87,6 +87,10 @@ def test_critical_speeds_that_starts_pass_are_not_said_to_be_unexamined():
     said = "passed and judged by starts alone"
     assert told_beside(text, said) == [f"Beside the range of 650 to 800 rpm, {said}: gas 2, mode 1 at 584.8"]
     assert told_beside(text) == []
+    alone = text.replace("configurations: {firing: {even: {}, uneven: {gas.orders: {2: {amplitude: 40 N*m}}}}}", "")
+    tables = of(TableBlock, blocks(document(alone, "conclusion"), "conclusion"))
+    notes = [words(note) for one in tables for note in one.notes]
+    assert "Starts pass critical speeds, the largest at resonance first: gas 2, mode 1 at 584.8." in notes
 
 
 def test_a_condition_whose_start_is_not_judged_names_the_limit():

@@ -320,7 +320,7 @@ ANYWHERE: Mapping[str, str] = {
     **dict.fromkeys(("psd", "stft", "periodogram"), "signals.spectrogram(record, name)"),
     **dict.fromkeys(("cpsd", "mscohere"), "signals.estimate(record, output, input), which has coherence"),
     "xcorr": f"scipy.signal.correlate of two arrays such as {_SAMPLES}",
-    "rms": 'record["T"].rms, or conventions of amplitude: tn.Conventions(amplitude="rms")',
+    "rms": 'record["T"].rms, or conventions of amplitude: tn.Conventions(amplitude="RMS")',
     **dict.fromkeys(("mean", "std", "kurtosis", "crest_factor"), f"np.mean and the like of {_SAMPLES}"),
     "peak2peak": f"np.ptp({_SAMPLES})",
     "unwrap": "signals.unwrapped(signal)",

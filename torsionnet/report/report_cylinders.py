@@ -265,7 +265,8 @@ def engine_blocks(subject: ReportData, case: Case, name: str, engine: Reciprocat
     for other in acting_otherwise(subject, name, "load"):
         loaded = other.drivetrain.definition.excitations[name]
         if isinstance(loaded, ReciprocatingEngine) and loaded.load != engine.load:
-            blocks += _pressures(subject, other, name, loaded, own / speed, other.title)
+            there, turning = shaft_speeds(other.drivetrain, name)
+            blocks += _pressures(subject, other, name, loaded, turning / there, other.title)
     harmonics = cylinder_harmonics(engine, own)
     # The largest by torque, listed by order.
     largest = sorted(harmonics, key=lambda harmonic: -harmonic.torque)[:MOST_ORDERS]

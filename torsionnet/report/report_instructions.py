@@ -172,11 +172,15 @@ def _passed_criticals(subject: ReportData, check: LimitCheck) -> Iterator[str]:
     speeds = critical_speeds(at_this_load, speeds=[run_up.low, run_up.high], reach=0.0)
     excited = [critical for critical in speeds.crossings if critical.excited and run_up.low <= critical.natural_speed]
     largest = sorted(excited, key=lambda critical: -critical.resonant_amplitude)[:MOST_PASSED]
-    strong = [one for one in largest if one.resonant_amplitude > LEAST_PASSED * largest[0].resonant_amplitude]
+    # Without damping all are infinite.
+    strong = [one for one in largest if one.resonant_amplitude >= LEAST_PASSED * largest[0].resonant_amplitude]
+    condition = subject.titles.of(check.configuration)
     if strong:
         yield phrase(
-            "In {condition}, starts pass critical speeds, the largest at resonance first: {names}.",
-            condition=subject.titles.of(check.configuration),
+            "In {condition}, starts pass critical speeds, the largest at resonance first: {names}."
+            if condition
+            else "Starts pass critical speeds, the largest at resonance first: {names}.",
+            condition=condition,
             names=joined(", ", [
                 phrase("{order}, mode {mode} at {speed:.1f}", order=as_words(f"{one.excitation} {one.line}"),
                        mode=one.mode.number, speed=one.natural_speed * RPM)

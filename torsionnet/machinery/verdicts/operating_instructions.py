@@ -365,8 +365,8 @@ def _action(restricted: PassedRange) -> tuple[int, int | None, str, str]:
 def _elsewhere(restricted: PassedRange, checks: Sequence[LimitCheck], title: Callable[[str], str]) -> str:
     """Text of the conditions in which a range may be passed that must not be passed in this one, or that none is there.
 
-    Empty where the range may be passed, or reaches to the highest speed. With a cylinder out, only conditions where one
-    is out count, as a misfire is not chosen.
+    Empty where the range may be passed, or reaches to the highest speed. A misfire is not chosen: only conditions with
+    a cylinder out count where one is out, and only others where none is.
     """
     span, own = restricted.span, restricted.check
     if restricted.passage != NOT_AT_ALL or span.high >= own.speeds[-1]:
@@ -374,10 +374,11 @@ def _elsewhere(restricted: PassedRange, checks: Sequence[LimitCheck], title: Cal
     every = [check for check in checks if check.highest is None or check.highest > span.high]
     if not every:
         return phrase("no condition examined reaches higher speeds")
-    ways = [check for check in every if check.misfiring or not own.misfiring]
-    if not ways:
+    ways = [check for check in every if check.misfiring is own.misfiring]
+    if not ways and own.misfiring:
         return phrase("higher speeds only once the fault is mended")
-    ways = [check for check in ways if check.misfiring is own.misfiring] or ways
+    if not ways:
+        return phrase("higher speeds only with a cylinder out")
     changes = {check.configuration: _changes(own.configuration, check.configuration) for check in ways}
     ways = [check for check in ways if changes[check.configuration] == min(changes.values())]
     return joined("; ", [_way(check, span, title) for check in ways[:MOST_WAYS]])

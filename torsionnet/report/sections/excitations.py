@@ -224,5 +224,6 @@ def harmonics_section(subject: ReportData) -> Section | None:
     states = state_table(subject)
     if states is not None:
         blocks.append(states)
-    end = Paragraph((highest_orders(subject),))
-    return Section("harmonics", ("Excitation",), (*blocks, end)) if blocks else None
+    if end := highest_orders(subject):
+        blocks.append(Paragraph((end,)))
+    return Section("harmonics", ("Excitation",), tuple(blocks)) if blocks else None

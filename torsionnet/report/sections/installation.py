@@ -117,8 +117,11 @@ def _rated(powers: PowerBalance, case: Case) -> Paragraph:
         balance=joined("", (balance, more)),
     )
     speeds = case.drivetrain.definition.speeds
-    reached = speeds is None or speeds.rated is None or abs(state.speed) >= speeds.rated * (1 - 1e-9)
-    return Paragraph((Strong("Rated torque" if reached else "Torque at the highest speed"), ": ", text))
+    words = "Rated torque"
+    if speeds is not None and speeds.rated is not None and abs(state.speed) < speeds.rated * (1 - 1e-9):
+        is_highest = abs(state.speed) >= speeds.values[-1] * (1 - 1e-9)
+        words = "Torque at the highest speed" if is_highest else "Torque at the operating point"
+    return Paragraph((Strong(words), ": ", text))
 
 
 def _line(subject: ReportData, case: Case, balance: PowerBalance, where: str) -> TableBlock:
