@@ -120,6 +120,12 @@ def test_free_motion_behind_the_meter_has_lost_no_digits():
     elements += [tn.Spring(f"k_{a}{b}", nodes=(a, b), stiffness=100, damping=0.1) for a, b in ("ab", "bc", "cd")]
     sensors = {"T": {"torque": "k_bc"}, "phi": {"angle": "c"}}
     agrees(tn.Drivetrain("line", elements, inputs={"T_a": {"torque": "a"}}, sensors=sensors), "phi", "T")
+    # Beside a spring that passes the meter by, two of three poles are such a pair.
+    elements = [tn.Inertia(f"J_{node}", node=node, inertia=J) for node, J in zip("ab", (16.6, 0.24), strict=True)]
+    elements.append(tn.Spring("k_ab", nodes=("a", "b"), stiffness=11.8, damping=46))
+    elements.append(tn.Spring("beside", nodes=("a", "b"), stiffness=559))
+    sensors = {"T": {"torque": "k_ab"}, "phi": {"angle": "a"}}
+    agrees(tn.Drivetrain("pair", elements, inputs={"T_b": {"torque": "b"}}, sensors=sensors), "phi", "T")
 
 
 def test_an_acceleration_that_shows_the_torque_alone_has_no_state_space():

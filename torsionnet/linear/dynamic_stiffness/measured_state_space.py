@@ -33,8 +33,8 @@ NEGLIGIBLE = 1e-9
 """Size of a number over that of its terms below which it counts as zero, as the terms themselves are rounded."""
 CHECKED, TOLD_ERROR = 24, 1e-6
 """Number of frequencies at which a state space is compared with the response, and share of that which is told."""
-FREE, FREE_OF_FASTEST = 1e-6, 1e-9
-"""Size over the median pole, and over the fastest, of the double one at 0 of a free motion, which is half rounding."""
+ROUNDED = 100 * np.finfo(float).eps
+"""Change of A over its size by which a pole at 0 of a free motion is known; a double one is then far from 0."""
 HIDDEN, CLEAR = 1e-8, 1e6
 """Share of a pole in what it is read or driven by, below which it is hidden, and condition up to which that counts."""
 
@@ -146,7 +146,8 @@ def balanced(*systems: LinearSystem) -> list[LinearSystem]:
     """Systems with the same states, in units of these in which rows and columns of A are of one size."""
     from scipy.linalg import matrix_balance
 
-    _, (scale, _) = matrix_balance(systems[0].A, permute=False, separate=True)
+    with np.errstate(invalid="ignore"):  # it makes integers of the scales, too, and some are beyond these
+        _, (scale, _) = matrix_balance(systems[0].A, permute=False, separate=True)
     return [
         LinearSystem(own.A / scale[:, None] * scale, own.B / scale[:, None], own.C * scale, own.D) for own in systems
     ]
@@ -214,12 +215,21 @@ def _refuse_rates(
                 )
 
 
-def warn_of_lost_digits(system: LinearSystem, request: TransferRequest) -> None:
-    """Warn where the state space differs from the response solved along the graph, up to its fastest pole."""
-    rates = np.abs(np.linalg.eigvals(system.A))
-    if not rates.any():
+def warn_of_lost_digits(system: LinearSystem, request: TransferRequest, whole: LinearSystem) -> None:
+    """Warn where the state space differs from the response solved along the graph, up to its fastest pole.
+
+    ``whole`` is the system that it was made of, to whose size its numbers are rounded.
+    """
+    from scipy.linalg import eig
+
+    if not len(system.A):
         return
-    rates = rates[rates > max(FREE * np.median(rates), FREE_OF_FASTEST * rates.max())]
+    # A change dA moves a pole by |dA| / |y^H x|, with its vectors of unit length: what that reaches may be 0.
+    poles, left, right = eig(balanced(system)[0].A, left=True)
+    rounded = ROUNDED * np.linalg.norm(balanced(whole)[0].A)
+    rates = np.abs(poles)[np.abs(poles * (left.conj() * right).sum(axis=0)) > rounded]
+    if not len(rates):
+        return
     # A tenth of the slowest pole, where springs or rigid bodies rule, and beside the fastest, which may be undamped.
     omega = np.geomspace(rates.min() / 10, rates.max() * 1.01, CHECKED)
     expected = transfer_functions(request, law_stiffness([request.assembly.system], omega)).values

@@ -150,7 +150,7 @@ def requested_state_space(
             LinearSystem(form.A, form.B, *output_matrices(drivetrain.assembly, readings, request.excitations, form))
             for readings in (request.outputs, request.inputs)
         )
-        system = against_measured(read, measured, request.names, names)
+        whole, system = read, against_measured(read, measured, request.names, names)
         warn_of_hidden_poles(system, f"{' and '.join(names)} against {request.names}")
         states = tuple(f"state {number}" for number in range(1, len(system.A) + 1))
     else:
@@ -163,8 +163,8 @@ def requested_state_space(
         # Velocities first: elimination of s - A then begins with s itself, where K/M above s^2 would take its digits.
         order = sorted(range(len(form.A)), key=lambda state: not form.states[state].startswith("velocity"))
         states = tuple(form.states[state] for state in order)
-        system = LinearSystem(form.A[np.ix_(order, order)], sense * form.B[order], C[:, order], sense * D)
-    warn_of_lost_digits(system, request)
+        whole = system = LinearSystem(form.A[np.ix_(order, order)], sense * form.B[order], C[:, order], sense * D)
+    warn_of_lost_digits(system, request, whole)
     return StateSpace(system.A, system.B, system.C, system.D, states), request
 
 
