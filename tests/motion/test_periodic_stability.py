@@ -23,6 +23,15 @@ def _first(one: PeriodicProblem, motion: PeriodicMotion) -> complex:
     return complex(stability_of(one, motion).multipliers[0])
 
 
+def test_a_high_harmonic_alone_is_answered_at_three_times_it():
+    """The same motion under harmonic 1 and, over 40 of its periods, under harmonic 40."""
+    slow = problem(duffing(), {"a": [*[0] * 40, 0.18]}, 0.03, hertz=False)
+    x = next(from_rest(problem(duffing(), {"a": [0, 0.18]}, 1.2, hertz=False), 1.2)).x
+    start = np.zeros((41, 1), dtype=complex)
+    start[::40] = x[:2]
+    np.testing.assert_allclose(slow.solve(0.03, start).x[::40][:4], x[:4], rtol=1e-5, atol=1e-12)
+
+
 def test_multipliers_of_a_cubic_spring():
     one = problem(duffing(), {"a": [0, 0.18]}, 0.5, hertz=False)
     motions = branch_over(one, 0.5, 1.3, harmonics=9).at(1.2)

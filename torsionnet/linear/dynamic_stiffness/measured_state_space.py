@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -225,7 +225,8 @@ def warn_of_lost_digits(system: LinearSystem, request: TransferRequest, whole: L
     if not len(system.A):
         return
     # A change dA moves a pole by |dA| / |y^H x|, with its vectors of unit length: what that reaches may be 0.
-    poles, left, right = eig(balanced(system)[0].A, left=True)
+    solved: Any = eig(balanced(system)[0].A, left=True)
+    poles, left, right = solved
     rounded = ROUNDED * np.linalg.norm(balanced(whole)[0].A)
     rates = np.abs(poles)[np.abs(poles * (left.conj() * right).sum(axis=0)) > rounded]
     if not len(rates):

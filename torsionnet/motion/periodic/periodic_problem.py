@@ -377,10 +377,12 @@ class PeriodicProblem:
         """Solved motion, with what the harmonics left out would move."""
         _, answers, torques = balance.residual(x)
         H = len(x) - 1
-        further = self.plant.receptances(balance.omega, range(H + 1, 2 * H + 1))
-        more = np.stack([harmonics_of(answer.torque, 2 * H)[H + 1 :] for answer in answers], axis=1)
-        behind = np.array([force.yielding if force.behind_spring else 0.0 for force in self.forces])
         # What the torques of harmonics H + 1 to 2 H would twist, as a share of the swing: how far the series is cut.
+        # Laws answer to one harmonic n of the torques at 3 n, 5 n and so on: the next of these is among them.
+        most = H + max(H, 2 * self.driven_to * self.subharmonics)
+        more = np.stack([harmonics_of(answer.torque, most)[H + 1 :] for answer in answers], axis=1)
+        further = self.plant.receptances(balance.omega, range(H + 1, H + 1 + len(more)))
+        behind = np.array([force.yielding if force.behind_spring else 0.0 for force in self.forces])
         moved = np.abs(np.einsum("kli,ki->kl", self.plant.rows @ further.own, more) - more * behind).sum(axis=0)
         # torques from outside at higher harmonics
         loads = self._loads(parameter)[H + 1 :]
