@@ -130,6 +130,13 @@ def test_mean_torques_have_to_balance_on_what_turns_freely():
         plant.require_balance(np.array([25.0, -20.0]))
 
 
+def test_a_resonance_without_damping_is_named():
+    spring = tn.Spring("spring", nodes=("a", "ground"), stiffness=1, cubic=0.1)
+    rig = tn.Drivetrain("undamped", [tn.Inertia("disc", node="a", inertia=1), spring])
+    with pytest.raises(tn.SolveError, match=r"(?s)0\.159155 Hz.*no-solution"):
+        rig.periodic_response("angle(a)", frequencies=[1 / (2 * pi)], excitation={"a": {1: 0.1}})
+
+
 @pytest.mark.parametrize("third", [0.0, 0.003, 0.003j, -0.003j])
 def test_friction_behind_a_spring_is_that_of_a_course_whichever_sample_is_the_top(third):
     """Of two samples at one height beside the top, and of a top that comes after the bottom in the period."""

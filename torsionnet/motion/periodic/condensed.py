@@ -18,7 +18,7 @@ from functools import cached_property
 
 import numpy as np
 
-from torsionnet.base.errors import UsageError
+from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.base.phrases import phrase
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.law_stiffness import Functional
@@ -163,7 +163,15 @@ class CondensedPlant:
         answers = np.zeros((len(s), *loads.shape), dtype=complex)
         still = s == 0
         if (~still).any():
-            answers[~still] = np.linalg.solve(D[~still], np.broadcast_to(loads, (int((~still).sum()), *loads.shape)))
+            every_load = np.broadcast_to(loads, (int((~still).sum()), *loads.shape))
+            try:
+                answers[~still] = np.linalg.solve(D[~still], every_load)
+            except np.linalg.LinAlgError:
+                raise SolveError(
+                    f"the plant resonates without damping at {s[~still].imag.min() / (2 * np.pi):.6g} Hz or a multiple "
+                    "of it; ask for a frequency beside it, or give it damping",
+                    kind="no-solution",
+                ) from None
         if still.any() and self.turning.any():
             # the drive gives what is left over on what turns freely
             (turns,) = self.free.T
