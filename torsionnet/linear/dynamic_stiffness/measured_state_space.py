@@ -215,6 +215,19 @@ def _refuse_rates(
                 )
 
 
+def _rounded_rate(request: TransferRequest) -> float:
+    """Size in rad/s that poles at rest may have by rounding, as stiffnesses cancel in what turns freely.
+
+    k/J is omega^2, and of two poles at 0 the rounding of it is the square; without inertia k/c is a rate itself.
+    """
+    rows = request.assembly.system
+    stiffest = float(np.abs(rows.stiffness).max(initial=0.0))
+    for law, power in ((rows.inertia, 2), (rows.damping, 1)):
+        if len(acting := law[law > 0]):
+            return float((ROUNDED * stiffest / acting.max()) ** (1 / power))
+    return 0.0
+
+
 def warn_of_lost_digits(system: LinearSystem, request: TransferRequest, whole: LinearSystem) -> None:
     """Warn where the state space differs from the response solved along the graph, up to its fastest pole.
 
@@ -229,6 +242,7 @@ def warn_of_lost_digits(system: LinearSystem, request: TransferRequest, whole: L
     poles, left, right = solved
     rounded = ROUNDED * np.linalg.norm(balanced(whole)[0].A)
     rates = np.abs(poles)[np.abs(poles * (left.conj() * right).sum(axis=0)) > rounded]
+    rates = rates[rates > _rounded_rate(request)]
     if not len(rates):
         return
     # A tenth of the slowest pole, where springs or rigid bodies rule, and beside the fastest, which may be undamped.
@@ -236,7 +250,9 @@ def warn_of_lost_digits(system: LinearSystem, request: TransferRequest, whole: L
     expected = transfer_functions(request, law_stiffness([request.assembly.system], omega)).values
     difference = np.array([system.response(1j * rate) for rate in omega]) - expected
     # Of the response there: far above resonances it may be small beside its peak, and still asked for.
-    error = np.divide(np.abs(difference), np.abs(expected), out=np.zeros(difference.shape), where=expected != 0)
+    # On an undamped pole it is infinite, in either form.
+    told = np.isfinite(expected) & (expected != 0)
+    error = np.divide(np.abs(difference), np.abs(expected), out=np.zeros(difference.shape), where=told)
     lost = ~(error <= TOLD_ERROR)
     if lost.any():
         f = omega[lost.any(axis=(1, 2))] / (2 * np.pi)
