@@ -174,14 +174,17 @@ class Tracer:
 
         So it may where friction behind a spring begins to slip: no plane across the tangent meets it there.
         """
+        way = float(np.sign(point.turns))
+        if not way:  # a fork, where the parameter stands: neither side of it is past a corner
+            return None
         moved = self.problem.solve(
-            point.p + PAST * float(np.sign(point.turns)) * point.scale[-1],
+            point.p + PAST * way * point.scale[-1],
             unpacked(point.u, self.n_laws),
             self.harmonics,
         )
         if moved is None or np.linalg.norm((packed(moved.x) - point.u) / point.scale[:-1]) > LONGEST_STEP:
             return None
-        return self.first(moved.parameter, moved.x, float(np.sign(point.turns)))
+        return self.first(moved.parameter, moved.x, way)
 
     def motion(self, point: BranchPoint) -> PeriodicMotion:
         """Motion of a point."""
